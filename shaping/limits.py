@@ -1,0 +1,136 @@
+"""Limits: bounds on velocity, acceleration, jerk and any higher derivative."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import inf, isinf
+
+from .derivatives import derivative_name, derivative_number
+
+Bound = float | tuple[float, float]
+"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Limits:
+    """Bounds lower_k ≤ x^(k)(t) ≤ upper_k on the derivatives k = 1, 2, … of position.
+
+    Parameters
+    ----------
+    velocity, acceleration, jerk, snap, crackle, pop : float or (float, float), optional
+        A positive number bounds the magnitude; a pair (lower, upper) with lower < 0 < upper
+        bounds the two directions apart. Left out, None or infinite means unbounded. Units are
+        the caller's: any consistent distance and time unit.
+
+    Attributes
+    ----------
+    lower, upper : tuple of float
+        Bounds by derivative, velocity first; the last one is finite on at least one side.
+
+    Raises
+    ------
+    ValueError
+        For a bound that is not positive, a pair that does not enclose zero, a NaN, or no
+        bound at all.
+    TypeError
+        For a bound that is not a number or a pair of numbers.
+
+    Examples
+    --------
+    >>> limits = Limits(velocity=2.0, jerk=(-30.0, 20.0))
+    >>> limits.order
+    3
+    >>> limits.bounds("jerk")
+    (-30.0, 20.0)
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    def __init__(
+        self,
+        velocity: Bound | None = None,
+        acceleration: Bound | None = None,
+        jerk: Bound | None = None,
+        snap: Bound | None = None,
+        crackle: Bound | None = None,
+        pop: Bound | None = None,
+    ) -> None:
+        self._set((velocity, acceleration, jerk, snap, crackle, pop))
+
+    @classmethod
+    def from_bounds(cls, bounds: Iterable[Bound | None]) -> Limits:
+        """Return limits of any order from bounds listed velocity first.
+
+        Parameters
+        ----------
+        bounds : iterable of float, (float, float) or None
+            Bound on derivative 1, 2, 3, …; as in `Limits`.
+        """
+        limits = object.__new__(cls)
+        limits._set(tuple(bounds))
+        return limits
+
+    def _set(self, bounds: tuple[Bound | None, ...]) -> None:
+        pairs = [_pair(bound, k) for k, bound in enumerate(bounds, start=1)]
+        while pairs and pairs[-1] == (-inf, inf):
+            pairs.pop()
+        if not pairs:
+            raise ValueError("no limits given: bound at least one derivative, e.g. acceleration=1")
+        object.__setattr__(self, "lower", tuple(low for low, _ in pairs))
+        object.__setattr__(self, "upper", tuple(high for _, high in pairs))
+
+    @property
+    def order(self) -> int:
+        """Highest bounded derivative."""
+        return len(self.upper)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether every bound is the same in both directions."""
+        return all(-low == high for low, high in zip(self.lower, self.upper, strict=True))
+
+    def bounds(self, derivative: int | str) -> tuple[float, float]:
+        """Return (lower, upper) of a derivative given by number ≥ 1 or name."""
+        k = derivative_number(derivative)
+        if k == 0:
+            raise ValueError("position has no limit here: derivatives count from 1 (velocity)")
+        return (self.lower[k - 1], self.upper[k - 1]) if k <= self.order else (-inf, inf)
+
+    def mirror(self) -> Limits:
+        """Return the limits of the motion in the opposite direction."""
+        return Limits.from_bounds(
+            (-high, -low) for low, high in zip(self.lower, self.upper, strict=True)
+        )
+
+    def __repr__(self) -> str:
+        shown = []
+        for k, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), start=1):
+            if not (isinf(low) and isinf(high)):
+                bound = f"{high!r}" if high == -low else f"({low!r}, {high!r})"
+                shown.append(f"{derivative_name(k)}={bound}")
+        return f"Limits({', '.join(shown)})"
+
+
+def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
+    """Return bound `k` as (lower, upper), checked."""
+    if bound is None:
+        return -inf, inf
+    try:
+        if isinstance(bound, tuple | list):
+            low, high = (float(side) for side in bound)
+        else:
+            high = float(bound)
+            low = -high
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"{derivative_name(k)} limit {bound!r}: expected a positive number or a pair "
+            "(lower, upper) of numbers"
+        ) from None
+    if not low < 0.0 < high:
+        raise ValueError(
+            f"{derivative_name(k)} limit {bound!r}: expected a positive number or a pair "
+            "(lower, upper) with lower < 0 < upper; leave it out where there is no limit"
+        )
+    return low, high

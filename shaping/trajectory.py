@@ -1,0 +1,448 @@
+"""Trajectory: an exact piecewise polynomial function of time, closed under differentiation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .derivatives import derivative_name, derivative_number
+from .limits import Limits
+from .pieces import MAX_ORDER, FloatArray, advance, evaluate, evaluate_sorted, extrema
+
+_GATHER_BELOW = 4096  # points up to which looking up every point's piece is the faster way
+_BLOCK = 8192  # points evaluated at a time, so that the work stays in the cache
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Trajectory:
+    """Position as a piecewise polynomial in Taylor form.
+
+    On piece i, with τ = t − breaks[i],
+
+        x^(k)(t) = Σ_{j ≥ k} states[i, j] · τ^(j−k) / (j−k)!,   k = 0 … n.
+
+    Before the start and after the end it coasts: position and velocity continue, higher
+    derivatives are zero (for n = 1 velocity is the piecewise-constant input and stops too).
+
+    Parameters
+    ----------
+    breaks : (m + 1,) array
+        Increasing times, in the caller's time unit. m = 0 is a point at rest.
+    states : (m, n + 1) array
+        Row i holds position and derivatives 1…n at the start of piece i; n ≤ 40.
+    durations : (m,) array, optional
+        Lengths of the pieces, where they are known better than differences of `breaks` give
+        them: a ramp of 1e-9 of the whole move keeps its bounds to rounding only so.
+        Evaluation never runs a piece past its duration.
+    end_state : (n + 1,) array, optional
+        Position and derivatives at the end. Default: the last piece run to its end, with the
+        highest derivative set to zero. Required when m = 0.
+    coasting : int, optional
+        Highest derivative that continues outside [start, end]; −1 means that the value itself
+        is zero there. Default: 1, or 0 when n = 1.
+
+    Raises
+    ------
+    ValueError
+        For shapes that do not fit, times that do not increase, or values that are not finite.
+
+    Notes
+    -----
+    The arrays are copied and read-only. Continuity between pieces is the caller's business
+    (derivative n jumps by design; lower ones may, too).
+    """
+
+    breaks: FloatArray
+    states: FloatArray
+    durations: FloatArray
+    end_state: FloatArray
+    coasting: int
+
+    def __init__(
+        self,
+        breaks: ArrayLike,
+        states: ArrayLike,
+        durations: ArrayLike | None = None,
+        end_state: ArrayLike | None = None,
+        coasting: int | None = None,
+    ) -> None:
+        times, rows = _finite("breaks", breaks), _finite("states", states)
+        _check_shapes(times, rows)
+        given = durations is not None
+        lengths = _finite("durations", durations) if given else times[1:] - times[:-1]
+        _check_times(times, lengths, exact=not given)
+        end = _run_out(rows, lengths) if end_state is None else _finite("end_state", end_state)
+        if end.shape != rows.shape[1:]:
+            raise ValueError(
+                f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
+                "position and one value per derivative"
+            )
+        self._fill(times, rows, lengths, end, coasting)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        breaks: FloatArray,
+        states: FloatArray,
+        durations: FloatArray,
+        end_state: FloatArray,
+        coasting: int | None = None,
+    ) -> Self:
+        """Take over arrays known to be valid, without copy or check; for the shapers' use."""
+        trajectory = object.__new__(cls)
+        trajectory._fill(breaks, states, durations, end_state, coasting)
+        return trajectory
+
+    def _fill(
+        self,
+        breaks: FloatArray,
+        states: FloatArray,
+        durations: FloatArray,
+        end_state: FloatArray,
+        coasting: int | None,
+    ) -> None:
+        fields = self.__dict__  # the way around `frozen`
+        fields["breaks"], fields["states"] = breaks, states
+        fields["durations"], fields["end_state"] = durations, end_state
+        fields["coasting"] = min(1, states.shape[1] - 2) if coasting is None else coasting
+        for array in (breaks, states, durations, end_state):
+            array.flags.writeable = False
+
+    @property
+    def order(self) -> int:
+        """Highest derivative n, constant on each piece."""
+        return int(self.states.shape[1]) - 1
+
+    @property
+    def start_time(self) -> float:
+        """Time of the first break."""
+        return float(self.breaks[0])
+
+    @property
+    def end_time(self) -> float:
+        """Time of the last break."""
+        return float(self.breaks[-1])
+
+    @property
+    def duration(self) -> float:
+        """Time from the first break to the last."""
+        return float(self.breaks[-1] - self.breaks[0])
+
+    @property
+    def start_state(self) -> FloatArray:
+        """Position and derivatives 1…n at the start, shape (n + 1,)."""
+        return np.asarray(self.states[0] if len(self.states) else self.end_state)
+
+    @property
+    def switch_times(self) -> FloatArray:
+        """Times at which derivative n changes, start and end of the motion included."""
+        highest = np.concatenate([[0.0], self.states[:, -1], [0.0]])
+        return np.asarray(self.breaks[highest[1:] != highest[:-1]])
+
+    def __call__(self, t: ArrayLike, derivative: int | str = 0) -> FloatArray:
+        """Evaluate one derivative at times t.
+
+        Parameters
+        ----------
+        t : float or array of any shape
+            Times, finite; in increasing order is fastest.
+        derivative : int or str, optional
+            0 position (default), 1 velocity, … or a name such as "jerk". Beyond n it is zero.
+
+        Returns
+        -------
+        float or array of the shape of t
+            At a break the value just after it.
+        """
+        k = derivative_number(derivative)
+        if k > self.order:
+            return np.zeros(np.shape(t))[()]
+        return np.asarray(self._evaluate(t, range(k, k + 1))[0])[()]
+
+    def evaluate(self, t: ArrayLike) -> FloatArray:
+        """Evaluate position and all derivatives 1…n at times t, shape (n + 1, *t.shape)."""
+        return self._evaluate(t, range(self.order + 1))
+
+    def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
+        """Sample position and all derivatives at a fixed interval, both ends included.
+
+        Parameters
+        ----------
+        dt : float
+            Sampling interval, positive.
+
+        Returns
+        -------
+        times : (N,) array
+            start, start + dt, …, and the end point as the last sample (the last interval is
+            shorter where the duration is no multiple of dt).
+        states : (n + 1, N) array
+            Time last, as in python-control.
+        """
+        if not (np.isfinite(dt) and dt > 0):
+            raise ValueError(f"dt = {dt!r}: expected a positive, finite sampling interval")
+        whole = int(np.ceil(self.duration / dt * (1.0 - 1e-12)))
+        times = np.append(self.start_time + dt * np.arange(whole), self.end_time)
+        states = self.evaluate(times)
+        states[:, -1] = self.end_state
+        return times, states
+
+    def extremes(self, derivative: int | str) -> tuple[float, float]:
+        """Return the exact (minimum, maximum) of a derivative from start to end."""
+        k = derivative_number(derivative)
+        if k > self.order:
+            return 0.0, 0.0
+        if not len(self.states):
+            return float(self.end_state[k]), float(self.end_state[k])
+        low, high = extrema(self.durations, self.states[:, k:].T)
+        return float(low.min()), float(high.max())
+
+    def peak(self, derivative: int | str) -> float:
+        """Return the exact largest magnitude of a derivative, from the polynomials' extrema."""
+        low, high = self.extremes(derivative)
+        return max(-low, high, 0.0)
+
+    def violation(self, limits: Limits) -> float:
+        """Return the largest relative excess over the limits, 0.0 where all are kept.
+
+        Excess of derivative k is max|x^(k)| / bound − 1, the bound on the side in question; a
+        derivative that jumps (beyond n, or where a lower one is discontinuous) is not seen.
+        """
+        excess = 0.0
+        for k in range(1, limits.order + 1):
+            low, high = self.extremes(k)
+            lower, upper = limits.bounds(k)
+            excess = max(excess, high / upper - 1.0, low / lower - 1.0)
+        return excess
+
+    def derivative(self, k: int = 1) -> Trajectory:
+        """Return derivative k as a trajectory of its own, 1 ≤ k < n.
+
+        Outside [start, end] it stays the derivative of the coasting motion.
+        """
+        if not 1 <= k < self.order:
+            raise ValueError(f"derivative {k}: expected 1 to {self.order - 1} for order n > k")
+        return Trajectory(
+            self.breaks,
+            self.states[:, k:],
+            self.durations,
+            self.end_state[k:],
+            max(self.coasting - k, -1),
+        )
+
+    def shift(self, distance: float) -> Trajectory:
+        """Return the same motion `distance` further along."""
+        offset = np.zeros(self.order + 1)
+        offset[0] = distance
+        return self._with(self.breaks, self.states + offset, self.end_state + offset)
+
+    def delay(self, time: float) -> Trajectory:
+        """Return the same motion, `time` later."""
+        return self._with(self.breaks + time, self.states, self.end_state)
+
+    def scale(self, factor: float) -> Trajectory:
+        """Return the motion with position and all derivatives multiplied by `factor`."""
+        return self._with(self.breaks, self.states * factor, self.end_state * factor)
+
+    def mirror(self) -> Trajectory:
+        """Return the motion reflected in position, x → −x."""
+        return self.scale(-1.0)
+
+    def stretch(self, factor: float) -> Trajectory:
+        """Return the motion slowed down `factor` times: x(t) → x(t / factor), start kept."""
+        if not (np.isfinite(factor) and factor > 0):
+            raise ValueError(f"factor = {factor!r}: expected a positive, finite number")
+        slower = factor ** -np.arange(self.order + 1.0)
+        breaks = self.start_time + factor * (self.breaks - self.start_time)
+        return Trajectory(
+            breaks,
+            self.states * slower,
+            self.durations * factor,
+            self.end_state * slower,
+            self.coasting,
+        )
+
+    def reverse(self) -> Trajectory:
+        """Return the motion run backwards over the same time interval."""
+        signs = (-1.0) ** np.arange(self.order + 1)
+        ends = np.vstack([self.states[1:], self.end_state])
+        ends[:, -1] = self.states[:, -1]
+        end = self.start_state * signs
+        end[-1] = 0.0
+        return Trajectory(
+            self.start_time + self.end_time - self.breaks[::-1],
+            (ends * signs)[::-1],
+            self.durations[::-1],
+            end,
+            self.coasting,
+        )
+
+    def then(self, following: Trajectory, *, dwell: float = 0.0) -> Trajectory:
+        """Append another motion, moved in time and position to begin where this one ends.
+
+        Parameters
+        ----------
+        following : Trajectory
+            It must start at the velocity (and acceleration, …) at which this one ends.
+        dwell : float, optional
+            Time spent coasting in between.
+
+        Raises
+        ------
+        ValueError
+            Where a derivative would jump that does not jump in either part.
+        """
+        if not (np.isfinite(dwell) and dwell >= 0):
+            raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
+        n = max(self.order, following.order)
+        first, second = _padded(self, n), _padded(following, n)
+        _check_joint(self, following)
+        if dwell > 0:
+            waiting = first.end_state.copy()
+            waiting[self.coasting + 1 :] = 0.0
+            first = Trajectory(
+                np.append(first.breaks, first.end_time + dwell),
+                np.vstack([first.states, waiting]),
+                np.append(first.durations, dwell),
+                advance(waiting, dwell),
+                self.coasting,
+            )
+        second = second.shift(first.end_state[0] - second.start_state[0])
+        second = second.delay(first.end_time - second.start_time)
+        return Trajectory(
+            np.append(first.breaks, second.breaks[1:]),
+            np.vstack([first.states, second.states]),
+            np.append(first.durations, second.durations),
+            second.end_state,
+            min(first.coasting, second.coasting),
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory(order={self.order}, pieces={len(self.states)}, "
+            f"start={self.start_state[0]:.10g}, end={self.end_state[0]:.10g}, "
+            f"duration={self.duration:.10g})"
+        )
+
+    def _with(self, breaks: FloatArray, states: FloatArray, end_state: FloatArray) -> Self:
+        return type(self)(breaks, states, self.durations, end_state, self.coasting)
+
+    @cached_property
+    def _segments(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Origins (m + 2,), states (n + 1, m + 2) and longest τ, coasting included."""
+        outside = np.array([self.start_state, self.end_state])
+        outside[:, self.coasting + 1 :] = 0.0
+        origins = np.concatenate([self.breaks[:1], self.breaks])
+        states = np.vstack([outside[:1], self.states, outside[1:]])
+        longest = np.concatenate([[np.inf], self.durations, [np.inf]])
+        return origins, np.ascontiguousarray(states.T), longest
+
+    def _evaluate(self, t: ArrayLike, derivatives: range) -> FloatArray:
+        times = np.asarray(t, dtype=float)
+        flat = times.ravel()
+        if not np.isfinite(flat).all():
+            raise ValueError("times must be finite: got NaN or infinity")
+        out = np.empty((len(derivatives), flat.size))
+        if flat.size <= _GATHER_BELOW:
+            self._gather(flat, derivatives, out)
+        elif bool((flat[1:] >= flat[:-1]).all()):
+            self._sweep(flat, derivatives, out)
+        else:
+            for i in range(0, flat.size, _BLOCK):
+                self._gather(flat[i : i + _BLOCK], derivatives, out[:, i : i + _BLOCK])
+        return out.reshape(len(derivatives), *times.shape)
+
+    def _gather(self, t: FloatArray, derivatives: range, out: FloatArray) -> None:
+        """Evaluate by looking up every point's piece."""
+        origins, states, longest = self._segments
+        piece = np.searchsorted(self.breaks, t, side="right")
+        tau = np.minimum(t - origins[piece], longest[piece])
+        out[:] = evaluate(states[:, piece], tau, derivatives)
+
+    def _sweep(self, t: FloatArray, derivatives: range, out: FloatArray) -> None:
+        """Evaluate increasing times, one run of points per piece."""
+        origins, states, longest = self._segments
+        bounds = np.searchsorted(t, self.breaks, side="left")
+        edges = np.concatenate([[0], bounds, [t.size]])
+        for piece in np.flatnonzero(np.diff(edges)):
+            for i in range(edges[piece], edges[piece + 1], _BLOCK):
+                part = slice(i, min(i + _BLOCK, edges[piece + 1]))
+                tau = np.minimum(t[part] - origins[piece], longest[piece])
+                evaluate_sorted(states[:, piece], tau, derivatives, out[:, part])
+
+
+def _finite(name: str, values: ArrayLike | None) -> FloatArray:
+    array = np.array(values, dtype=float)
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite, got {array}")
+    return array
+
+
+def _check_shapes(breaks: FloatArray, states: FloatArray) -> None:
+    if breaks.ndim != 1 or states.ndim != 2 or len(breaks) != len(states) + 1:
+        raise ValueError(
+            f"breaks of shape {breaks.shape} and states of shape {states.shape} do not fit: "
+            "expected (m + 1,) and (m, n + 1)"
+        )
+    if not 2 <= states.shape[1] <= MAX_ORDER + 1:
+        raise ValueError(
+            f"states has {states.shape[1]} columns: expected position and 1 to {MAX_ORDER} "
+            "derivatives"
+        )
+
+
+def _check_times(breaks: FloatArray, durations: FloatArray, *, exact: bool) -> None:
+    if durations.shape != (len(breaks) - 1,):
+        raise ValueError(f"durations has shape {durations.shape}: expected {(len(breaks) - 1,)}")
+    if not (durations > 0).all():
+        raise ValueError(f"every piece must take time: got durations {durations}")
+    if exact or not len(durations):
+        return
+    mismatch = np.abs(breaks[1:] - breaks[:-1] - durations).max()
+    if not mismatch <= 1e-9 * np.abs(breaks).max():
+        raise ValueError(f"durations differ from the differences of breaks by {mismatch:g}")
+
+
+def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:
+    """Return the state at the end of the last piece, highest derivative off."""
+    if not len(states):
+        raise ValueError("a trajectory without pieces needs its end_state")
+    end = advance(states[-1], float(durations[-1]))
+    end[-1] = 0.0
+    return end
+
+
+def _padded(trajectory: Trajectory, n: int) -> Trajectory:
+    """Return the same motion with zero derivatives up to n."""
+    extra = n - trajectory.order
+    return Trajectory(
+        trajectory.breaks,
+        np.pad(trajectory.states, ((0, 0), (0, extra))),
+        trajectory.durations,
+        np.pad(trajectory.end_state, (0, extra)),
+        trajectory.coasting,
+    )
+
+
+def _check_joint(first: Trajectory, second: Trajectory) -> None:
+    """Refuse a joint at which velocity or a higher derivative below n jumps."""
+    for k in range(1, min(first.order, second.order)):
+        end, start = first.end_state[k], second.start_state[k]
+        scale = max(first.peak(k), second.peak(k))
+        if not abs(end - start) <= 1e-9 * scale:
+            raise ValueError(
+                f"{derivative_name(k)} would jump from {end:g} to {start:g} at the joint: let "
+                f"the second motion start at {end:g}"
+            )
+
+
+def point(position: float, order: int) -> Trajectory:
+    """Return the trajectory of zero duration that rests at `position`."""
+    end = np.zeros(order + 1)
+    end[0] = position
+    empty: NDArray[np.float64] = np.empty((0, order + 1))
+    return Trajectory(np.zeros(1), empty, end_state=end)
