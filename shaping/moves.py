@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import isfinite
 from typing import Literal
 
+from .checks import finite, positive, whole
 from .closed_form import fastest_plan
 from .derivatives import derivative_name
 from .limits import Limits
@@ -75,7 +76,7 @@ def min_time_move(
     >>> move.peak("jerk")
     1.0
     """
-    distance, start = _finite("distance", distance), _finite("start", start)
+    distance, start = finite("distance", distance), finite("start", start)
     if method != "closed-form":
         raise ValueError(f"method = {method!r}: expected 'closed-form'")
     if limits.order > MAX_MOVE_ORDER:
@@ -133,8 +134,8 @@ def perfect_spline(distance: float, order: int, bound: float, *, start: float = 
     ----------
     Thompson, "Snap, Crackle, and Pop", Section IV, Table 1.
     """
-    distance, start = _finite("distance", distance), _finite("start", start)
-    order, bound = _spline_order(order), _positive("bound", bound)
+    distance, start = finite("distance", distance), finite("start", start)
+    order, bound = whole("order", order, 1, MAX_ORDER), positive("bound", bound)
     if distance == 0.0:
         return point(start, order)
     span = (abs(distance) / bound * spline_divisor(order)) ** (1.0 / order)
@@ -180,31 +181,10 @@ def bound_for_rise_time(acceleration: float, rise_time: float, order: int) -> fl
     >>> round(bound_for_rise_time(0.2, 1.0, 6), 9)
     76.8
     """
-    acceleration = _positive("acceleration", acceleration)
-    rise_time = _positive("rise_time", rise_time)
-    if _spline_order(order) < 3:
-        raise ValueError(f"order = {order!r}: expected 3 (jerk) or more")
+    acceleration = positive("acceleration", acceleration)
+    rise_time = positive("rise_time", rise_time)
+    order = whole("order", order, 3, MAX_ORDER)
     return acceleration * spline_divisor(order - 2) / rise_time ** (order - 2)
-
-
-def _finite(name: str, value: float) -> float:
-    number = float(value)
-    if not isfinite(number):
-        raise ValueError(f"{name} = {value!r}: expected a finite number")
-    return number
-
-
-def _positive(name: str, value: float) -> float:
-    number = float(value)
-    if not 0.0 < number < inf:
-        raise ValueError(f"{name} = {value!r}: expected a positive, finite number")
-    return number
-
-
-def _spline_order(order: int) -> int:
-    if order != int(order) or not 1 <= order <= MAX_ORDER:
-        raise ValueError(f"order = {order!r}: expected a whole number from 1 to {MAX_ORDER}")
-    return int(order)
 
 
 def _check_bounded(limits: Limits) -> None:

@@ -14,7 +14,8 @@ from math import factorial
 
 import numpy as np
 
-from .pieces import FloatArray, RealArray, integral
+from .checks import whole
+from .pieces import MAX_ORDER, FloatArray, RealArray, integral
 from .trajectory import Trajectory
 
 
@@ -54,9 +55,7 @@ def switch_fractions(order: int) -> FloatArray:
     ----------
     Thompson, "Snap, Crackle, and Pop", Section IV and Table 1, whose digits this form gives.
     """
-    if order < 1:
-        raise ValueError(f"order = {order!r}: expected a whole number ≥ 1")
-    return np.asarray(_switch_fractions(order), dtype=float)
+    return np.asarray(_switch_fractions(whole("order", order, 1, MAX_ORDER)), dtype=float)
 
 
 def _switch_fractions(order: int) -> np.typing.NDArray[np.longdouble]:

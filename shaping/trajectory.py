@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import positive
 from .derivatives import derivative_name, derivative_number
 from .limits import Limits
 from .pieces import MAX_ORDER, FloatArray, advance, evaluate, evaluate_sorted, extrema
@@ -163,9 +164,24 @@ class Trajectory:
             return np.zeros(np.shape(t))[()]
         return np.asarray(self._evaluate(t, range(k, k + 1))[0])[()]
 
-    def evaluate(self, t: ArrayLike) -> FloatArray:
-        """Evaluate position and all derivatives 1…n at times t, shape (n + 1, *t.shape)."""
-        return self._evaluate(t, range(self.order + 1))
+    def evaluate(self, t: ArrayLike, highest: int | str | None = None) -> FloatArray:
+        """Evaluate position and its derivatives 1…highest at times t.
+
+        Parameters
+        ----------
+        t : float or array of any shape
+            As in calling the trajectory.
+        highest : int or str, optional
+            At most n. Default: n.
+
+        Returns
+        -------
+        (highest + 1, *t.shape) array
+        """
+        k = self.order if highest is None else derivative_number(highest)
+        if k > self.order:
+            raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
+        return self._evaluate(t, range(k + 1))
 
     def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Sample position and all derivatives at a fixed interval, both ends included.
@@ -183,8 +199,7 @@ class Trajectory:
         states : (n + 1, N) array
             Time last, as in python-control.
         """
-        if not (np.isfinite(dt) and dt > 0):
-            raise ValueError(f"dt = {dt!r}: expected a positive, finite sampling interval")
+        dt = positive("dt", dt)
         whole = int(np.ceil(self.duration / dt * (1.0 - 1e-12)))
         times = np.append(self.start_time + dt * np.arange(whole), self.end_time)
         states = self.evaluate(times)
@@ -254,8 +269,7 @@ class Trajectory:
 
     def stretch(self, factor: float) -> Trajectory:
         """Return the motion slowed down `factor` times: x(t) → x(t / factor), start kept."""
-        if not (np.isfinite(factor) and factor > 0):
-            raise ValueError(f"factor = {factor!r}: expected a positive, finite number")
+        factor = positive("factor", factor)
         slower = factor ** -np.arange(self.order + 1.0)
         breaks = self.start_time + factor * (self.breaks - self.start_time)
         return Trajectory(

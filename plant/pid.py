@@ -1,0 +1,143 @@
+"""The PID controller and its exact design for an inertia."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, isfinite, pi, radians, sin
+from typing import TYPE_CHECKING
+
+from ..shaping.checks import finite, positive
+from .inertia import Inertia
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True)
+class PID:
+    """Ideal PID controller, u = kp·e + ki·∫e dt + kr·ė.
+
+    Parameters
+    ----------
+    kp : float
+        Proportional gain, torque per position.
+    ki : float
+        Integral gain, torque per position and time.
+    kr : float
+        Rate (derivative) gain, torque per velocity.
+
+    Notes
+    -----
+    The derivative needs no filter: the loop hands the controller the error's rate ė, which is
+    known exactly because a shaper supplies the command's velocity and the plant its own.
+    """
+
+    kp: float
+    ki: float
+    kr: float
+
+    def __post_init__(self) -> None:
+        for name in ("kp", "ki", "kr"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
+
+    def system(self) -> control.StateSpace:
+        """Return the python-control system (e, e_rate) → u_feedback, state ∫e."""
+        import control
+
+        return control.ss(
+            [[0.0]],
+            [[1.0, 0.0]],
+            [[self.ki]],
+            [[self.kp, self.kr]],
+            inputs=["e", "e_rate"],
+            outputs=["u_feedback"],
+            states=["e_integral"],
+            name="controller",
+        )
+
+    def transfer(self) -> control.TransferFunction:
+        """Return k(s) = (kr·s² + kp·s + ki)/s from e to u (improper; without ki, kr·s + kp)."""
+        import control
+
+        numerator, denominator = [self.kr, self.kp, self.ki], [1.0, 0.0]
+        if self.ki == 0.0:
+            numerator, denominator = [self.kr, self.kp], [1.0]
+        return control.tf(
+            numerator, denominator, inputs=["e"], outputs=["u_feedback"], name="controller"
+        )
+
+
+def design_pid(
+    inertia: Inertia | float,
+    *,
+    crossover_hz: float,
+    phase_margin_deg: float,
+    lower_gain_margin_db: float,
+) -> PID:
+    """Return the PID that gives an inertia exactly these three margins.
+
+    With ω_c the crossover, φ the phase margin, g_m > 1 the lower gain margin as a factor and
+    k(s) = k_r·(s² + p·s + q)/s,
+
+        k_r·p = J·ω_c²·cos φ,   q = k_r·p/(J·g_m),   k_r = J·ω_c³·sin φ/(ω_c² − q).
+
+    Parameters
+    ----------
+    inertia : Inertia or float
+        J > 0.
+    crossover_hz : float
+        Gain crossover |L| = 1, in Hz.
+    phase_margin_deg : float
+        Between 0 and 90, both excluded.
+    lower_gain_margin_db : float
+        By how many dB the gain may fall before the loop is unstable; positive. (Ideal PID on a
+        pure inertia is conditionally stable and has no upper gain margin.)
+
+    Returns
+    -------
+    PID
+
+    Raises
+    ------
+    ValueError
+        For a value that is not finite or not positive, or for specifications that contradict
+        each other: a phase margin outside (0, 90) deg, or q ≥ ω_c² (g_m ≤ cos φ, a lower gain
+        margin so small that the zeros lie beyond the crossover).
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section VII, solved exactly: the gains printed there
+    (k_r = 11.09J, …) do not meet its own specifications.
+
+    Examples
+    --------
+    >>> gains = design_pid(1.0, crossover_hz=1, phase_margin_deg=45, lower_gain_margin_db=12)
+    >>> round(gains.kr, 6), round(gains.kp / gains.kr, 6), round(gains.ki / gains.kr, 6)
+    (5.402451, 5.167184, 7.012046)
+    """
+    moment = (inertia if isinstance(inertia, Inertia) else Inertia(inertia)).J
+    omega = 2.0 * pi * positive("crossover_hz", crossover_hz)
+    phase = radians(finite("phase_margin_deg", phase_margin_deg))
+    if not 0.0 < phase < 0.5 * pi:
+        raise ValueError(
+            f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
+            "between 0 and 90 deg (both excluded)"
+        )
+    factor = 10.0 ** (finite("lower_gain_margin_db", lower_gain_margin_db) / 20.0)
+    if factor <= cos(phase):
+        raise ValueError(
+            f"lower_gain_margin_db = {lower_gain_margin_db!r} contradicts a phase margin of "
+            f"{phase_margin_deg!r} deg: q = ω_c²·cos φ/g_m would reach ω_c²; ask for a positive "
+            "lower gain margin"
+        )
+    if factor <= 1.0:
+        raise ValueError(
+            f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected a positive number of dB, "
+            "or the loop would already be unstable"
+        )
+    kp = moment * omega**2 * cos(phase)
+    kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
+    ki = kr * kp / (moment * factor)
+    if not (isfinite(kp) and isfinite(ki) and isfinite(kr)):
+        raise ValueError("the gains leave the range of a double: check the units of J and Hz")
+    return PID(kp, ki, kr)

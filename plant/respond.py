@@ -1,0 +1,153 @@
+"""Exact response of any python-control LTI system to a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..shaping import Trajectory
+from ..shaping.checks import positive
+from ..shaping.derivatives import derivative_number
+from ..shaping.propagate import grid, propagate
+
+if TYPE_CHECKING:
+    import control
+
+
+def respond(
+    system: control.StateSpace | control.TransferFunction,
+    trajectory: Trajectory,
+    dt: float,
+    *,
+    derivatives: Sequence[int | str] = (0,),
+    duration: float | None = None,
+    initial_state: ArrayLike | None = None,
+) -> control.TimeResponseData:
+    """Return the exact response of a linear system to a trajectory.
+
+    The trajectory is a polynomial on each piece, so the system driven by it is one larger
+    linear system: no integration error and no interpolation between samples, whatever dt.
+
+    Parameters
+    ----------
+    system : control.StateSpace or control.TransferFunction
+        Continuous, or discrete with this dt (or dt=True). k inputs.
+    trajectory : Trajectory
+        After its end it coasts.
+    dt : float
+        Spacing of the time grid. For a continuous system it does not change the values.
+    derivatives : sequence of k int or str, optional
+        Which derivative of the trajectory feeds input i, by number or name.
+    duration : float, optional
+        Length of the grid, which begins at the trajectory's start. Default: the trajectory's
+        duration.
+    initial_state : (n,) array, optional
+        State at the start. Default: zero.
+
+    Returns
+    -------
+    control.TimeResponseData
+        With `time`, `outputs`, `states`, `inputs`.
+
+    Raises
+    ------
+    TypeError
+        For a system that is not LTI.
+    ValueError
+        For a number of derivatives other than of inputs, a derivative above the trajectory's
+        order (a train of impulses), an improper transfer function, another sampling time than
+        dt, or a dt or duration that is not positive.
+
+    Notes
+    -----
+    Agrees with `control.forced_response`, where that is exact, to 1e-10 of the peak. Memory:
+    8·(states + inputs + outputs) bytes per sample.
+
+    Examples
+    --------
+    >>> import control
+    >>> from jounce.shaping import Limits, min_time_move
+    >>> lag = control.tf([1], [1, 1], inputs="r", outputs="y")
+    >>> move = min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0))
+    >>> response = respond(lag, move, 0.01, duration=10.0)
+    >>> round(float(response.outputs[-1]), 3)
+    1.0
+    """
+    import control
+
+    plant = state_space(system)
+    numbers = [derivative_number(d) for d in derivatives]
+    if len(numbers) != plant.ninputs:
+        raise ValueError(
+            f"{len(numbers)} derivatives for a system with {plant.ninputs} inputs "
+            f"({', '.join(plant.input_labels)}): give one derivative of the trajectory per input"
+        )
+    dt = positive("dt", dt)
+    _check_timebase(plant, dt)
+    time = grid(trajectory.start_time, _duration(trajectory, duration), dt)
+    initial = _initial_state(plant, initial_state)
+    states = propagate(
+        plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=plant.isdtime()
+    )
+    inputs = trajectory.evaluate(time, max(numbers))[numbers]
+    outputs = plant.C @ states
+    outputs += plant.D @ inputs
+    return control.TimeResponseData(
+        time,
+        outputs,
+        states,
+        inputs,
+        issiso=plant.issiso(),
+        output_labels=plant.output_labels,
+        input_labels=plant.input_labels,
+        state_labels=plant.state_labels,
+        title="Exact response to a trajectory",
+    )
+
+
+def state_space(system: Any) -> control.StateSpace:
+    """Return an LTI system in state space, its signal names kept."""
+    import control
+
+    if isinstance(system, control.StateSpace):
+        return system
+    if not isinstance(system, control.TransferFunction):
+        raise TypeError(
+            f"got {type(system).__name__}: expected a python-control StateSpace or "
+            "TransferFunction; linearise a nonlinear system first (control.linearize)"
+        )
+    for numerator, denominator in zip(
+        np.ravel(system.num_array), np.ravel(system.den_array), strict=True
+    ):
+        if len(np.trim_zeros(numerator, "f")) > len(np.trim_zeros(denominator, "f")):
+            raise ValueError(
+                "improper transfer function: feed it a derivative of the trajectory instead "
+                "(derivatives=…), one power of s less for each"
+            )
+    return control.ss(system)
+
+
+def _check_timebase(plant: control.StateSpace, dt: float) -> None:
+    if plant.isdtime(strict=True) and plant.dt is not True and abs(plant.dt - dt) > 1e-9 * dt:
+        raise ValueError(f"dt = {dt!r}: the system is sampled every {plant.dt!r}; use that dt")
+
+
+def _duration(trajectory: Trajectory, duration: float | None) -> float:
+    if duration is not None:
+        return positive("duration", duration)
+    return trajectory.duration
+
+
+def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:
+    if initial is None:
+        return np.zeros(plant.nstates)
+    state = np.asarray(initial, dtype=float)
+    if state.shape != (plant.nstates,) or not np.isfinite(state).all():
+        raise ValueError(
+            f"initial_state {initial!r}: expected {plant.nstates} finite numbers, "
+            f"for {', '.join(plant.state_labels)}"
+        )
+    return state

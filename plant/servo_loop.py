@@ -1,0 +1,231 @@
+"""The servo loop: plant, controller and feedforward, and its exact response to a trajectory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..shaping import JerkFilter, Trajectory
+from ..shaping.checks import positive
+from ..shaping.pieces import FloatArray
+from ..shaping.propagate import grid, propagate
+from .feedforward import InertiaFeedforward
+from .inertia import Inertia
+from .pid import PID
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """Exact response of a servo loop on a uniform time grid; arrays (N,), time last.
+
+    Attributes
+    ----------
+    time : (N,) array
+    inputs : (3, N) array
+        Command r, its velocity and its acceleration, as the loop receives them.
+    outputs : (3, N) array
+        Position y, error e = r − y, torque u.
+    states : (n, N) array
+        States of the closed loop, plant first.
+    """
+
+    time: FloatArray
+    inputs: FloatArray
+    outputs: FloatArray
+    states: FloatArray
+
+    @property
+    def command(self) -> FloatArray:
+        """Command r as the loop receives it, behind any filter."""
+        return np.asarray(self.inputs[0])
+
+    @property
+    def position(self) -> FloatArray:
+        """Position y."""
+        return np.asarray(self.outputs[0])
+
+    @property
+    def error(self) -> FloatArray:
+        """Tracking error e = r − y."""
+        return np.asarray(self.outputs[1])
+
+    @property
+    def torque(self) -> FloatArray:
+        """Torque u."""
+        return np.asarray(self.outputs[2])
+
+    def settling_time(self, target: float, tolerance: float) -> float:
+        """Return the time, from the start, after which |y − target| stays within `tolerance`.
+
+        Infinite where the response ends outside it. Between samples the crossing is taken on
+        the straight line, so its error falls with dt².
+        """
+        excess = np.abs(self.position - target) - positive("tolerance", tolerance)
+        outside = np.flatnonzero(excess > 0.0)
+        if not outside.size:
+            return 0.0
+        k = int(outside[-1])
+        if k + 1 == excess.size:
+            return float("inf")
+        fraction = excess[k] / (excess[k] - excess[k + 1])
+        step = self.time[k + 1] - self.time[k]
+        return float(self.time[k] - self.time[0] + fraction * step)
+
+
+@dataclass(frozen=True)
+class ServoLoop:
+    """A plant under feedback, with feedforward of the command's acceleration.
+
+        y/r = g·(k + f)/(1 + g·k)
+
+    Signals, one vocabulary throughout: r command, e = r − y error, u torque, y position;
+    r_rate, e_rate, y_rate their velocities, r_acceleration the command's acceleration.
+
+    Parameters
+    ----------
+    plant : Inertia
+    controller : PID
+    feedforward : InertiaFeedforward, optional
+        Default: none.
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section VII.
+    """
+
+    plant: Inertia
+    controller: PID
+    feedforward: InertiaFeedforward | None = None
+
+    def loop_transfer(self) -> control.TransferFunction:
+        """Return L(s) = g·k, the open loop from e to y."""
+        loop = self.plant.transfer() * self.controller.transfer()
+        return _named(loop, "e", "y", "loop")
+
+    def closed_loop(self) -> control.TransferFunction:
+        """Return y/r = g·(k + f)/(1 + g·k), feedforward included; 1 where Ĵ = J."""
+        import control
+
+        g, k, f = (block.transfer() for block in (self.plant, self.controller, self._feedforward))
+        (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
+        forward = np.polyadd(kn, np.polymul(f.num_array[0, 0], kd))
+        characteristic = np.polyadd(np.polymul(gd, kd), np.polymul(gn, kn))
+        closed = control.tf(np.trim_zeros(np.polymul(gn, forward), "f"), characteristic)
+        return _named(closed, "r", "y", "closed_loop")
+
+    @property
+    def _feedforward(self) -> InertiaFeedforward:
+        return self.feedforward or InertiaFeedforward(0.0)
+
+    @cached_property
+    def _interconnection(self) -> control.StateSpace:
+        import control
+
+        return control.interconnect(
+            [
+                self.plant.system(),
+                self.controller.system(),
+                self._feedforward.system(),
+                control.summing_junction(["r", "-y"], "e", name="error"),
+                control.summing_junction(["r_rate", "-y_rate"], "e_rate", name="error_rate"),
+                control.summing_junction(["u_feedback", "u_feedforward"], "u", name="torque"),
+            ],
+            inplist=["r", "r_rate", "r_acceleration"],
+            outlist=["y", "e", "u"],
+            inputs=["r", "r_rate", "r_acceleration"],
+            outputs=["y", "e", "u"],
+            name="servo_loop",
+        )
+
+    def system(self) -> control.StateSpace:
+        """Return the interconnected loop (r, r_rate, r_acceleration) → (y, e, u).
+
+        The ideal PID needs the command's velocity and the feedforward its acceleration; both
+        come from the shaper, so every block is proper and nothing is differentiated.
+        """
+        return self._interconnection
+
+    def respond(
+        self,
+        trajectory: Trajectory,
+        dt: float,
+        *,
+        duration: float | None = None,
+        jerk_filter: JerkFilter | None = None,
+    ) -> LoopResponse:
+        """Return the loop's exact response to a trajectory, its acceleration fed forward.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            Of order 2 or more. The loop starts at rest at the trajectory's start.
+        dt : float
+            Spacing of the time grid; its choice does not change the values.
+        duration : float, optional
+            Length of the grid. Default: the trajectory's duration.
+        jerk_filter : JerkFilter, optional
+            Put between the trajectory and the loop.
+
+        Returns
+        -------
+        LoopResponse
+
+        Raises
+        ------
+        ValueError
+            For a trajectory of order 1 (its acceleration is a train of impulses: bound the
+            acceleration), or a dt or duration that is not positive.
+        """
+        dt = positive("dt", dt)
+        length = trajectory.duration if duration is None else positive("duration", duration)
+        start = float(trajectory.start_state[0])
+        moved = trajectory.shift(-start)
+        time = grid(trajectory.start_time, length, dt)
+        loop = self.system()
+        if jerk_filter is None:
+            inputs = moved.evaluate(time, 2)
+            rest = np.zeros(loop.nstates)
+            states = propagate(loop.A, loop.B, (0, 1, 2), moved, dt, time.size, rest)
+        else:
+            states, inputs = _through_filter(loop, jerk_filter, moved, dt, time.size)
+        outputs = loop.C @ states
+        outputs += loop.D @ inputs
+        outputs[0] += start
+        states[0] += start
+        inputs[0] += start
+        return LoopResponse(time, inputs, outputs, states)
+
+
+def _through_filter(
+    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory, dt: float, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the loop's states and inputs with a jerk filter in front of each input."""
+    a, b = jerk_filter.state_space()
+    m, n = jerk_filter.order, loop.nstates
+    size = 3 * m + n
+    full = np.zeros((size, size))
+    drive = np.zeros((size, 3))
+    for i in range(3):
+        part = slice(i * m, (i + 1) * m)
+        full[part, part] = a
+        drive[part, i : i + 1] = b
+        full[3 * m :, (i + 1) * m - 1] = loop.B[:, i]
+    full[3 * m :, 3 * m :] = loop.A
+    initial = np.zeros(size)
+    initial[: 3 * m] = np.concatenate([jerk_filter.steady_state(trajectory, k) for k in range(3)])
+    states = propagate(full, drive, (0, 1, 2), trajectory, dt, count, initial)
+    return states[3 * m :], states[m - 1 : 3 * m : m]
+
+
+def _named(
+    system: control.TransferFunction, source: str, sink: str, name: str
+) -> control.TransferFunction:
+    import control
+
+    return control.tf(system, inputs=[source], outputs=[sink], name=name)

@@ -1,0 +1,33 @@
+"""Checks of numbers given by a caller: one clear error, naming value and remedy."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from operator import index
+
+
+def finite(name: str, value: float) -> float:
+    """Return `value` as a float; ValueError unless it is finite."""
+    number = float(value)
+    if not isfinite(number):
+        raise ValueError(f"{name} = {value!r}: expected a finite number")
+    return number
+
+
+def positive(name: str, value: float) -> float:
+    """Return `value` as a float; ValueError unless it is positive and finite."""
+    number = float(value)
+    if not 0.0 < number < inf:
+        raise ValueError(f"{name} = {value!r}: expected a positive, finite number")
+    return number
+
+
+def whole(name: str, value: int, least: int, most: int) -> int:
+    """Return `value` as an int; ValueError unless it is whole and within least…most."""
+    try:
+        number = index(value)
+    except TypeError:
+        number = least - 1
+    if not least <= number <= most:
+        raise ValueError(f"{name} = {value!r}: expected a whole number from {least} to {most}")
+    return number

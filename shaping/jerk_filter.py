@@ -1,0 +1,152 @@
+"""The linear jerk filter: equal lags in series behind a shaper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb, pi
+
+import numpy as np
+
+from .checks import positive, whole
+from .pieces import FloatArray
+from .propagate import grid, propagate
+from .trajectory import Trajectory
+
+MAX_FILTER_ORDER = 50
+"""Highest filter order accepted."""
+
+
+@dataclass(frozen=True, eq=False)
+class FilterResponse:
+    """Exact response of a filter on a uniform time grid.
+
+    Attributes
+    ----------
+    time : (N,) array
+    states : (order + 1, N) array
+        Output position and its derivatives 1 … order of the filter, time last.
+    """
+
+    time: FloatArray
+    states: FloatArray
+
+
+@dataclass(frozen=True)
+class JerkFilter:
+    """Equal first-order lags in series, to be put behind any shaper.
+
+        f(s) = (ω / (s + ω))^m,   ω = 2π·corner_hz
+
+    The output is m − 1 times continuously differentiable whatever command comes in, and never
+    overshoots a command that does not.
+
+    Parameters
+    ----------
+    corner_hz : float
+        Corner frequency of each lag, in cycles per time unit; positive.
+    order : int
+        Number of lags m, 1 to 50.
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section V.
+
+    Examples
+    --------
+    >>> round(JerkFilter(2.0, 6).settling_time(0.01), 4)
+    1.0431
+    """
+
+    corner_hz: float
+    order: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "corner_hz", positive("corner_hz", self.corner_hz))
+        object.__setattr__(self, "order", whole("order", self.order, 1, MAX_FILTER_ORDER))
+
+    @property
+    def omega(self) -> float:
+        """Corner frequency in radians per time unit."""
+        return 2.0 * pi * self.corner_hz
+
+    def settling_time(self, tolerance: float) -> float:
+        """Return the time after a step from which the output stays within `tolerance` of it.
+
+        The step response is the gamma distribution of shape m: Q(m, ωt) = tolerance.
+
+        Parameters
+        ----------
+        tolerance : float
+            Fraction of the step, between 0 and 1.
+        """
+        if not 0.0 < tolerance < 1.0:
+            raise ValueError(f"tolerance = {tolerance!r}: expected a fraction between 0 and 1")
+        from scipy.special import gammainccinv
+
+        return float(gammainccinv(self.order, tolerance)) / self.omega
+
+    def step_response(self, t: FloatArray | float) -> FloatArray:
+        """Return the response to a unit step at time 0: P(m, ωt), and 0 before."""
+        from scipy.special import gammainc
+
+        return np.asarray(gammainc(self.order, self.omega * np.maximum(t, 0.0)))
+
+    def state_space(self) -> tuple[FloatArray, FloatArray]:
+        """Return (A, b) of z' = A·z + b·r; z_j is the output of lag j, the last one f's."""
+        a = self.omega * (np.eye(self.order, k=-1) - np.eye(self.order))
+        b = np.zeros((self.order, 1))
+        b[0, 0] = self.omega
+        return a, b
+
+    def steady_state(self, trajectory: Trajectory, derivative: int = 0) -> FloatArray:
+        """Return z, shape (m,), after derivative k of a trajectory has coasted in for ever."""
+        level, slope = (
+            trajectory.start_state[k] if k <= trajectory.coasting else 0.0
+            for k in (derivative, derivative + 1)
+        )
+        return np.asarray(level - slope * np.arange(1, self.order + 1) / self.omega)
+
+    def respond(
+        self, trajectory: Trajectory, dt: float, *, duration: float | None = None
+    ) -> FilterResponse:
+        """Return the exact response to a trajectory that coasted for ever before its start.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            Of any order; after its end it coasts.
+        dt : float
+            Spacing of the time grid; its choice does not change the values.
+        duration : float, optional
+            Length of the grid. Default: the trajectory's duration plus the filter's settling
+            time to 1e-6 of a step.
+
+        Returns
+        -------
+        FilterResponse
+            `time` (N,), `states` (order + 1, N): position and derivatives up to the filter's
+            order. Each derivative is the filter's response to the same derivative of the
+            trajectory, so that none is a difference of larger numbers.
+        """
+        dt = positive("dt", dt)
+        if duration is None:
+            duration = trajectory.duration + self.settling_time(1e-6)
+        time = grid(trajectory.start_time, positive("duration", duration), dt)
+        states = np.empty((self.order + 1, time.size))
+        lags = np.empty((self.order, time.size))
+        direct = min(self.order, trajectory.order)
+        a, b = self.state_space()
+        for k in range(direct + 1):
+            initial = self.steady_state(trajectory, k)
+            lags = propagate(a, b, [k], trajectory, dt, time.size, initial)
+            states[k] = lags[-1]
+        for k in range(direct + 1, self.order + 1):
+            states[k] = self._difference(lags, k - direct)
+        return FilterResponse(time, states)
+
+    def _difference(self, lags: FloatArray, k: int) -> FloatArray:
+        """Return derivative k < m of the output from the lags: z_j' = ω·(z_{j−1} − z_j)."""
+        m = self.order
+        weights = [(-1.0) ** i * comb(k, i) for i in range(k + 1)]
+        total = sum(w * lags[m - 1 - k + i] for i, w in enumerate(weights))
+        return np.asarray(self.omega**k * total)

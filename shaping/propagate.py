@@ -1,0 +1,242 @@
+"""Exact response of a linear system to a trajectory on a uniform time grid.
+
+On each piece the inputs are polynomials, so that system and inputs together are one larger
+autonomous linear system
+
+    d/dθ [x; p] = [[A·dt, B̃], [0, N]] [x; p],   θ = t/dt,   p_k = r^(k)·dt^k
+
+with N the shift matrix: no integration error, whatever dt. Across a break p is reset to the next
+piece's own state; within a piece the states at the samples are found a block at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, floor, inf
+
+import numpy as np
+
+from .derivatives import derivative_name
+from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
+from .trajectory import Trajectory
+
+_BLOCK = 256  # samples found by one matrix product
+_PRODUCT = 2**17  # multiplications at a time: larger products start threads that cost more
+_SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
+
+
+def grid(start: float, duration: float, dt: float) -> FloatArray:
+    """Return start, start + dt, … up to start + duration (kept where it is a multiple of dt)."""
+    return np.asarray(start + dt * np.arange(floor(duration / dt * (1 + 1e-12)) + 1.0))
+
+
+def propagate(
+    a: FloatArray,
+    b: FloatArray,
+    derivatives: Sequence[int],
+    trajectory: Trajectory,
+    dt: float,
+    count: int,
+    initial: FloatArray,
+    *,
+    discrete: bool = False,
+) -> FloatArray:
+    """Return the states of x' = A·x + Σ_i b_i·r^(d_i)(t) at count times dt apart.
+
+    Parameters
+    ----------
+    a : (n, n) array
+    b : (n, k) array
+    derivatives : sequence of k ints
+        d_i, the derivative of the trajectory that feeds input i.
+    trajectory : Trajectory
+        r(t); the grid begins at its start and may go on after its end, where it coasts.
+    dt : float
+        Grid spacing.
+    count : int
+        Number of grid points.
+    initial : (n,) array
+        State at the first grid point.
+    discrete : bool, optional
+        Read the equation as x[k+1] = A·x[k] + Σ_i b_i·r^(d_i)(t_k) instead.
+
+    Returns
+    -------
+    (n, count) array
+
+    Raises
+    ------
+    ValueError
+        For a derivative above the trajectory's order: it would be a train of impulses.
+    """
+    for d in derivatives:
+        if d > trajectory.order:
+            raise ValueError(
+                f"{derivative_name(d)} of a trajectory of order {trajectory.order} is a train of "
+                f"impulses: use limits up to {derivative_name(d)} at least"
+            )
+    system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
+    pieces = _Pieces.make(trajectory, dt)
+    powers = system.powers(min(_BLOCK, count))
+    out = np.empty((len(a), count))
+    out[:, 0] = initial
+    here = 0
+    while True:
+        piece = pieces.holding(here)
+        there = int(min(pieces.first_after(piece), count))
+        inputs = pieces.at(piece, np.arange(float(here), there, len(powers) - 1))
+        _fill(out[:, here:there], inputs, powers)
+        if there == count:
+            return out
+        out[:, there] = system.cross(out[:, there - 1], pieces, piece, there - 1)
+        here = there
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """The trajectory's pieces in units of dt, the coasting after its end included."""
+
+    starts: FloatArray  # (m + 1,)
+    states: FloatArray  # (n + 1, m + 1), derivative k times dt^k
+
+    @classmethod
+    def make(cls, trajectory: Trajectory, dt: float) -> _Pieces:
+        end = trajectory.end_state.copy()
+        end[trajectory.coasting + 1 :] = 0.0
+        states = np.vstack([trajectory.states, end])
+        scale = dt ** np.arange(trajectory.order + 1.0)
+        return cls((trajectory.breaks - trajectory.start_time) / dt, (states * scale).T)
+
+    def holding(self, k: int) -> int:
+        """Return the piece in which grid point k lies."""
+        return int(np.searchsorted(self.starts, k, side="right")) - 1
+
+    def end(self, piece: int) -> float:
+        """Return where a piece ends."""
+        return float(self.starts[piece + 1]) if piece + 1 < len(self.starts) else inf
+
+    def first_after(self, piece: int) -> float:
+        """Return the first grid point beyond a piece."""
+        end = self.end(piece)
+        return ceil(end) if end < inf else end
+
+    def at(self, piece: int, theta: FloatArray) -> FloatArray:
+        """Return the inputs' chain p at times theta within a piece, (n + 1, N)."""
+        rows = np.repeat(self.states[:, piece, None], theta.size, axis=1)
+        tau = theta - self.starts[piece]
+        return evaluate(rows, tau, range(len(rows)))
+
+
+class _Driven:
+    """The linear system with its polynomial inputs, time in units of dt."""
+
+    def __init__(
+        self,
+        a: FloatArray,
+        b: FloatArray,
+        derivatives: Sequence[int],
+        order: int,
+        dt: float,
+        *,
+        discrete: bool,
+    ) -> None:
+        self.discrete = discrete
+        self.size = len(a)
+        coupling = np.zeros((self.size, order + 1))
+        for column, d in enumerate(derivatives):
+            coupling[:, d] += b[:, column] / dt**d
+        chain = np.eye(order + 1, k=1)
+        if discrete:
+            self.generator = np.block([[a, coupling], [np.zeros_like(coupling.T), chain]])
+        else:
+            self.generator = np.block([[a * dt, coupling * dt], [np.zeros_like(coupling.T), chain]])
+        self.norm = 1.0 + float(np.abs(a).sum(axis=0).max(initial=0.0)) * dt
+
+    def step(self) -> FloatArray:
+        """Return the matrix that takes [x; p] one dt further."""
+        if not self.discrete:
+            return self._exponential(1.0)
+        matrix = self.generator.copy()
+        n = len(matrix) - self.size
+        lag = np.arange(n)[None, :] - np.arange(n)[:, None]
+        matrix[self.size :, self.size :] = np.where(lag >= 0, INVERSE_FACTORIALS[np.abs(lag)], 0.0)
+        return matrix
+
+    def powers(self, block: int) -> FloatArray:
+        """Return the rows of x in the matrices that take [x; p] by 0 … block steps."""
+        step = self.step()
+        stack = np.eye(len(step))[None, : self.size]
+        while len(stack) <= block:
+            stack = np.concatenate([stack, stack @ step])
+            step = step @ step
+        return stack[: block + 1]
+
+    def cross(self, x: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
+        """Return x at grid point k + 1, given x at k and the piece that k lies in."""
+        if self.discrete:
+            p = pieces.at(piece, np.array([float(k)]))[:, 0]
+            return np.asarray(self.generator[: self.size] @ np.concatenate([x, p]))
+        here = float(k)
+        while here < k + 1:
+            there = min(pieces.end(piece), k + 1.0)
+            if there > here:
+                p = pieces.at(piece, np.array([here]))[:, 0]
+                x = self._advance(np.concatenate([x, p]), there - here)[: self.size]
+            here, piece = there, piece + 1
+        return x
+
+    def _advance(self, z: FloatArray, theta: float) -> FloatArray:
+        """Return exp(generator·theta)·z."""
+        if self.norm * theta > _SERIES_NORM:
+            return np.asarray(self._exponential(theta) @ z)
+        total = term = z
+        for k in range(1, 40):
+            term = self.generator @ term * (theta / k)
+            total = total + term
+            if np.abs(term).max() <= 1e-18 * np.abs(total).max():
+                break
+        return np.asarray(total)
+
+    def _exponential(self, theta: float) -> FloatArray:
+        """Return exp(generator·theta).
+
+        The coupling block enters linearly; it is scaled to the size of the others so that its
+        rounding does not reach them.
+        """
+        from scipy.linalg import expm
+
+        n = self.size
+        matrix = self.generator * theta
+        scale = max(float(np.abs(matrix[:n, n:]).max(initial=0.0)), np.finfo(float).tiny)
+        matrix[:n, n:] /= scale
+        result = expm(matrix)
+        result[:n, n:] *= scale
+        return np.asarray(result)
+
+
+def _fill(out: FloatArray, inputs: FloatArray, powers: FloatArray) -> None:
+    """Fill the states of one piece, block by block; out[:, 0] is given.
+
+    `inputs` (n + 1, blocks) holds p at the first sample of each block.
+    """
+    size, count = out.shape
+    block, blocks = len(powers) - 1, inputs.shape[1]
+    starts = np.empty((blocks, size + len(inputs)))
+    starts[:, size:] = inputs.T
+    starts[0, :size] = x = out[:, 0].copy()
+    leap = powers[block][:, :size]
+    driven = inputs.T @ powers[block][:, size:].T
+    for j in range(1, blocks):
+        x = leap @ x + driven[j - 1]
+        starts[j, :size] = x
+    whole = count // block
+    group = max(_PRODUCT // powers[:block, 0].size, 1)
+    for i in range(size):
+        within = powers[:block, i].T
+        # a row of `out` is contiguous: its blocks are written in place, without a copy
+        row = out[i, : whole * block].reshape(whole, block)
+        for j in range(0, whole, group):
+            np.matmul(starts[j : min(j + group, whole)], within, out=row[j : j + group])
+        if whole < blocks:
+            out[i, whole * block :] = starts[whole] @ within[:, : count - whole * block]
