@@ -3,7 +3,7 @@
 from .blocks import filter_system
 from .feedforward import InertiaFeedforward
 from .inertia import Inertia
-from .pid import PID, design_pid
+from .pid import PID, design_pid, printed_pid
 from .respond import respond
 from .servo_loop import LoopResponse, ServoLoop
 
@@ -15,5 +15,6 @@ __all__ = [
     "ServoLoop",
     "design_pid",
     "filter_system",
+    "printed_pid",
     "respond",
 ]

@@ -141,3 +141,20 @@ def design_pid(
     if not (isfinite(kp) and isfinite(ki) and isfinite(kr)):
         raise ValueError("the gains leave the range of a double: check the units of J and Hz")
     return PID(kp, ki, kr)
+
+
+def printed_pid(inertia: Inertia | float) -> PID:
+    """Return the gains as printed in Thompson's Section VII: a known erratum, kept to compare.
+
+        k_r = 11.09 J,   k_i = 6.286 k_r,   k_p = 3.187 k_r
+
+    They do not meet that section's own specifications (1 Hz, 45 deg, 12 dB, 40 % overshoot):
+    the loop has 1.750 Hz, 73.0 deg, 15.0 dB and 21.5 %. Use `design_pid` for a loop that does.
+
+    Parameters
+    ----------
+    inertia : Inertia or float
+        J > 0. (The paper prints a further factor J in k_i and k_p, dimensionally wrong.)
+    """
+    kr = 11.09 * (inertia if isinstance(inertia, Inertia) else Inertia(inertia)).J
+    return PID(kp=3.187 * kr, ki=6.286 * kr, kr=kr)

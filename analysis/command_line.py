@@ -1,0 +1,149 @@
+"""The command `jounce`: survey a scenario, plan a move."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from .plan import Plan
+
+BAD_INPUT = 2
+CHECK_FAILED = 1
+
+app = typer.Typer(
+    help="Command shaping with bounded derivatives, and surveys of servo loops.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
+    from .survey import UnstableLoopError
+
+    try:
+        app()
+    except UnstableLoopError as error:
+        _fail(error, CHECK_FAILED)
+    except (ValueError, OSError) as error:
+        _fail(error, BAD_INPUT)
+
+
+@app.callback()
+def _jounce() -> None:
+    """Command shaping with bounded derivatives, and surveys of servo loops."""
+
+
+@app.command("survey")
+def survey_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for survey.json, CSV and pictures.")
+    ],
+) -> None:
+    """Print a loop's margins, design check and moves; write them with pictures to a folder."""
+    from .output import write_survey
+    from .report import survey_tables
+    from .survey import survey
+
+    found = survey(scenario)
+    files = write_survey(found, output)
+    _print(found.scenario.title, *survey_tables(found))
+    for finding in found.findings:
+        _print(f"[yellow]{finding}[/]")
+    _print(f"Wrote {', '.join(path.name for path in files)} to {output}")
+
+
+@app.command("plan", context_settings={"ignore_unknown_options": True})
+def plan_command(
+    distance: Annotated[str, typer.Argument(help='Such as "60 arcsec" or "-2 mm".')],
+    velocity: Annotated[str | None, typer.Option(help='Such as "1 deg/s".')] = None,
+    acceleration: Annotated[
+        str | None,
+        typer.Option(help='Such as "0.2 deg/s^2", or "-0.1 deg/s^2, 0.2 deg/s^2" for each way.'),
+    ] = None,
+    jerk: Annotated[str | None, typer.Option(help='Such as "2 deg/s^3".')] = None,
+    snap: Annotated[str | None, typer.Option(help='Such as "20 deg/s^4".')] = None,
+    crackle: Annotated[str | None, typer.Option(help='Such as "200 deg/s^5".')] = None,
+    pop: Annotated[str | None, typer.Option(help='Such as "76.8 deg/s^6".')] = None,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(help='Any derivative, such as "7=2e4 deg/s^7"; may be repeated.'),
+    ] = None,
+    rise_time: Annotated[
+        str | None,
+        typer.Option(help="Rise time of the acceleration, in place of the highest limit."),
+    ] = None,
+    order: Annotated[
+        int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
+    ] = None,
+    start: Annotated[str | None, typer.Option(help="Position at the start.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
+    ] = None,
+) -> None:
+    """Plan the fastest closed-form move between rests and print its switch table."""
+    from .plan import plan_move
+    from .report import plan_tables
+
+    named = (velocity, acceleration, jerk, snap, crackle, pop)
+    bounds = {k: text for k, text in enumerate(named, start=1) if text is not None}
+    for text in limit or ():
+        k, quantity = _limit(text)
+        if k in bounds:
+            raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
+        bounds[k] = quantity
+    plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order)
+    _write_plan(plan, csv, plot)
+    _print(*plan_tables(plan))
+    for path in (csv, plot):
+        if path is not None:
+            _print(f"Wrote {path}")
+
+
+def _limit(text: str) -> tuple[int, str]:
+    from .plan import derivative_key
+
+    name, separator, quantity = text.partition("=")
+    if not separator:
+        raise ValueError(f'--limit {text!r}: expected DERIVATIVE=QUANTITY, such as "7=2e4 deg/s^7"')
+    return derivative_key(name), quantity
+
+
+def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
+    from .output import save_figure, write_file, write_rows
+    from .report import switch_rows
+
+    if csv is not None:
+        header, rows = switch_rows(plan)
+        write_file(csv, lambda draft: write_rows(draft, header, rows))
+    if plot is not None:
+        from .plots import plot_trajectory
+
+        figure = plot_trajectory(plan.trajectory, unit=plan.unit, scale=plan.scale)
+        write_file(plot, lambda draft: save_figure(figure, draft))
+
+
+def _print(*parts: object) -> None:
+    from rich.console import Console
+
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    for part in parts:
+        console.print(part)
+
+
+def _fail(error: Exception, status: int) -> None:
+    print(f"jounce: {_message(error)}", file=sys.stderr)
+    raise SystemExit(status)
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}; give a path that can be written"
+    return str(error)

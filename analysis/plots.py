@@ -1,0 +1,334 @@
+"""Pictures of results: each function takes a result and an Axes, draws, returns the Axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from ..shaping import Trajectory
+from ..shaping.derivatives import derivative_name
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..shaping.pieces import FloatArray
+    from .survey import MoveSurvey, StepResponse, Survey
+
+_BLUE, _ORANGE, _GREEN, _RED, _GREY = "#0b5394", "#e07b00", "#2e7d32", "#b3261e", "#666666"
+_CURVE_POINTS = 400  # per piece-wise or frequency curve: smooth at any size of paper
+
+
+def plot_survey(survey: Survey) -> Figure:
+    """Return the survey of a loop on one page: loop, closed loop, step, first move, wrong Ĵ."""
+    figure = Figure(figsize=(15.0, 11.0))
+    axes = figure.subplots(3, 3)
+    figure.subplots_adjust(0.055, 0.055, 0.985, 0.91, wspace=0.24, hspace=0.33)
+    move = survey.moves[0]
+    panels: tuple[tuple[Callable[..., Axes], Any], ...] = (
+        (plot_loop_gain, survey),
+        (plot_nichols, survey),
+        (plot_move, (survey, move)),
+        (plot_loop_phase, survey),
+        (plot_step, survey.step),
+        (plot_torque, (survey, move)),
+        (plot_sensitivities, survey),
+        (plot_wrong_inertia, (survey, move)),
+        (plot_tracking_error, (survey, move)),
+    )
+    for ax, (draw, subject) in zip(axes.flat, panels, strict=True):
+        draw(*(subject if isinstance(subject, tuple) else (subject,)), ax=ax)
+    figure.suptitle(survey.scenario.title, fontsize=15, y=0.985)
+    margins = survey.margins
+    subtitle = (
+        f"crossover {margins.crossover_hz:.4g} Hz,  phase margin {margins.phase_margin_deg:.4g}°,  "
+        f"gain may fall by {_decibels(margins.lower_gain_margin_db)} "
+        f"and rise by {_decibels(margins.upper_gain_margin_db)}"
+    )
+    figure.text(0.5, 0.945, subtitle, ha="center", fontsize=11, color=_GREY)
+    return figure
+
+
+def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
+    """Draw |L| against frequency, with crossover and gain margins marked."""
+    frequency, loop = _loop_curve(survey)
+    margins = survey.margins
+    ax.semilogx(frequency, _db(loop), color=_BLUE)
+    ax.axhline(0.0, color=_GREY, linewidth=0.8)
+    ax.plot(margins.crossover_hz, 0.0, "o", color=_ORANGE)
+    ax.annotate(
+        f"crossover {margins.crossover_hz:.4g} Hz",
+        (margins.crossover_hz, 0.0),
+        xytext=(8, -14),
+        textcoords="offset points",
+        color=_ORANGE,
+    )
+    for level, at, name in (
+        (margins.lower_gain_margin_db, margins.lower_gain_margin_hz, "lower"),
+        (-margins.upper_gain_margin_db, margins.upper_gain_margin_hz, "upper"),
+    ):
+        if isfinite(level):
+            ax.plot([at, at], [0.0, level], "-o", color=_RED, markersize=4)
+            ax.annotate(
+                f"{name} gain margin\n{abs(level):.4g} dB",
+                (at, level),
+                xytext=(8, 2),
+                textcoords="offset points",
+                color=_RED,
+            )
+    return _finish(ax, "Open loop: gain", "frequency [Hz]", "|L| [dB]")
+
+
+def plot_loop_phase(survey: Survey, *, ax: Axes) -> Axes:
+    """Draw the phase of L against frequency, with the phase margin marked."""
+    frequency, loop = _loop_curve(survey)
+    margins = survey.margins
+    ax.semilogx(frequency, _phase_deg(loop), color=_BLUE)
+    ax.axhline(-180.0, color=_GREY, linewidth=0.8)
+    if isfinite(margins.crossover_hz):
+        at = margins.crossover_hz
+        phase = float(np.interp(np.log(at), np.log(frequency), _phase_deg(loop)))
+        ax.plot([at, at], [-180.0, phase], "-o", color=_ORANGE, markersize=4)
+        ax.annotate(
+            f"phase margin\n{margins.phase_margin_deg:.4g}°",
+            (at, 0.5 * (phase - 180.0)),
+            xytext=(8, -10),
+            textcoords="offset points",
+            color=_ORANGE,
+        )
+    return _finish(ax, "Open loop: phase", "frequency [Hz]", "phase of L [deg]")
+
+
+def plot_nichols(survey: Survey, *, ax: Axes) -> Axes:
+    """Draw gain against phase of L, with the critical point and the circle |S| = peak."""
+    _, loop = _loop_curve(survey)
+    ax.plot(_phase_deg(loop), _db(loop), color=_BLUE, label="L")
+    ax.plot(-180.0, 0.0, "+", color=_RED, markersize=12, markeredgewidth=2, label="critical point")
+    modulus = survey.margins.modulus_margin
+    if modulus < 1.0:
+        circle = -1.0 + modulus * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, _CURVE_POINTS))
+        phase = np.degrees(np.angle(-circle)) - 180.0
+        label = f"|1 + L| = {modulus:.3f}"
+        ax.plot(phase, _db(circle), "--", color=_RED, linewidth=1.0, label=label)
+    ax.set_ylim(-40.0, 40.0)
+    ax.xaxis.set_major_locator(MultipleLocator(45.0))
+    ax.legend(loc="lower left")
+    return _finish(ax, "Nichols", "phase of L [deg]", "|L| [dB]")
+
+
+def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
+    """Draw the closed loop T = L/(1 + L) and the sensitivity S = 1/(1 + L)."""
+    frequency, loop = _loop_curve(survey)
+    margins = survey.margins
+    for values, color, name, peak, at in (
+        (
+            loop / (1.0 + loop),
+            _BLUE,
+            "T",
+            margins.complementary_peak,
+            margins.complementary_peak_hz,
+        ),
+        (1.0 / (1.0 + loop), _GREEN, "S", margins.sensitivity_peak, margins.sensitivity_peak_hz),
+    ):
+        label = f"|{name}|, peak {20.0 * np.log10(peak):.2f} dB"
+        ax.semilogx(frequency, _db(values), color=color, label=label)
+        if 0.0 < at < inf:
+            ax.plot(at, 20.0 * np.log10(peak), "o", color=color, markersize=4)
+    if isfinite(margins.bandwidth_hz):
+        label = f"bandwidth {margins.bandwidth_hz:.4g} Hz"
+        ax.axvline(margins.bandwidth_hz, color=_GREY, linestyle=":", label=label)
+    ax.set_ylim(-60.0, 15.0)
+    ax.legend(loc="lower left", bbox_to_anchor=(0.3, 0.0))
+    return _finish(ax, "Closed loop T and sensitivity S", "frequency [Hz]", "magnitude [dB]")
+
+
+def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
+    """Draw the unit step response with its overshoot and settling time."""
+    shown = step.time <= 1.6 * step.settling_time_s + step.peak_time_s
+    ax.plot(step.time[shown], step.position[shown], color=_BLUE)
+    ax.axhline(1.0, color=_GREY, linewidth=0.8)
+    ax.axhspan(0.98, 1.02, color=_GREY, alpha=0.2, label="±2 %")
+    ax.plot(step.peak_time_s, 1.0 + step.overshoot_percent / 100.0, "o", color=_ORANGE)
+    ax.annotate(
+        f"overshoot {step.overshoot_percent:.2f} %",
+        (step.peak_time_s, 1.0 + step.overshoot_percent / 100.0),
+        xytext=(10, -3),
+        textcoords="offset points",
+        color=_ORANGE,
+    )
+    label = f"settled at {step.settling_time_s:.3g} s"
+    ax.axvline(step.settling_time_s, color=_GREY, linestyle=":", label=label)
+    ax.legend(loc="lower right")
+    return _finish(ax, "Unit step without feedforward", "time [s]", "position / step")
+
+
+def plot_move(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
+    """Draw shaped command, filtered command and the loop's responses to one move."""
+    scale, unit = survey.scenario.position_scale, survey.scenario.position_unit
+    plain, aided = move.responses["without feedforward"], move.configured
+    time = aided.response.time
+    shown = _until_settled(move, time)
+    ax.plot(time[shown], move.trajectory(time[shown]) / scale, color=_GREY, label="shaped command")
+    if survey.jerk_filter is not None:
+        ax.plot(
+            time[shown], aided.response.command[shown] / scale, color=_GREEN, label="jerk filter"
+        )
+    ax.plot(
+        time[shown],
+        plain.response.position[shown] / scale,
+        color=_ORANGE,
+        label="loop without feedforward",
+    )
+    ax.plot(
+        time[shown],
+        aided.response.position[shown] / scale,
+        "--",
+        color=_BLUE,
+        linewidth=2.0,
+        label="loop with feedforward",
+    )
+    ax.legend(loc="lower right")
+    return _finish(ax, f"Move: {move.name}", "time [s]", f"position [{unit}]")
+
+
+def plot_torque(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
+    """Draw the torque of one move with and without feedforward."""
+    unit = "N m" if survey.scenario.motion == "angle" else "N"
+    for name, color in (("without feedforward", _ORANGE), ("with feedforward", _BLUE)):
+        response = move.responses[name].response
+        shown = _until_settled(move, response.time)
+        ax.plot(response.time[shown], response.torque[shown], color=color, label=name)
+    ax.ticklabel_format(axis="y", scilimits=(-2, 4))
+    ax.legend(loc="upper right")
+    kind = "Torque" if unit == "N m" else "Force"
+    return _finish(ax, f"{kind}: {move.name}", "time [s]", f"{kind.lower()} [{unit}]")
+
+
+def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
+    """Draw the tracking error of one move with and without feedforward."""
+    scale, unit = survey.scenario.position_scale, survey.scenario.position_unit
+    for name, color in (("without feedforward", _ORANGE), ("with feedforward", _BLUE)):
+        result = move.responses[name]
+        shown = _until_settled(move, result.response.time)
+        label = f"{name}, peak {result.peak_error / scale:.3g} {unit}"
+        ax.plot(
+            result.response.time[shown],
+            result.response.error[shown] / scale,
+            color=color,
+            label=label,
+        )
+    ax.margins(y=0.25)
+    ax.legend(loc="upper right")
+    return _finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
+
+
+def plot_wrong_inertia(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
+    """Draw what a wrong Ĵ costs: the tracking error of one move."""
+    scale, unit = survey.scenario.position_scale, survey.scenario.position_unit
+    varied = [result for name, result in move.responses.items() if name.startswith("Ĵ")]
+    for result, color in zip(varied, (_RED, _GREEN), strict=True):
+        shown = _until_settled(move, result.response.time)
+        label = f"{result.name}, settles at {result.settling_time_s:.3g} s"
+        ax.plot(
+            result.response.time[shown],
+            result.response.error[shown] / scale,
+            color=color,
+            label=label,
+        )
+    for side in (-1.0, 1.0):
+        ax.axhline(side * move.move.settle_to / scale, color=_GREY, linestyle=":", linewidth=1.0)
+    ax.margins(y=0.35)
+    ax.legend(
+        loc="upper right", title=f"right Ĵ settles at {move.configured.settling_time_s:.3g} s"
+    )
+    title = f"Tracking error with a wrong Ĵ: {move.name}"
+    return _finish(ax, title, "time [s]", f"command − position [{unit}]")
+
+
+def plot_trajectory(
+    trajectory: Trajectory, *, unit: str = "", time_unit: str = "s", scale: float = 1.0
+) -> Figure:
+    """Return a picture of a trajectory: position and every derivative, one panel each.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    unit, time_unit : str, optional
+        For the labels.
+    scale : float, optional
+        Trajectory units per `unit`.
+    """
+    rows = trajectory.order + 1
+    figure = Figure(figsize=(8.0, 1.6 * rows + 0.6), layout="constrained")
+    panels = figure.subplots(rows, 1, sharex=True)
+    time = _curve_times(trajectory)
+    for k, ax in enumerate(panels):
+        label = unit if k == 0 else f"{unit}/{time_unit}{_superscript(k)}"
+        ax.plot(time, trajectory(time, k) / scale, color=_BLUE)
+        ax.set_ylabel(f"{derivative_name(k)}\n[{label}]")
+        ax.grid(alpha=0.3)
+        for switch in trajectory.switch_times:
+            ax.axvline(switch, color=_GREY, linewidth=0.5, linestyle=":")
+    panels[-1].set_xlabel(f"time [{time_unit}]")
+    figure.align_ylabels(panels)
+    return figure
+
+
+def _curve_times(trajectory: Trajectory) -> FloatArray:
+    """Return times at which a trajectory is drawn: both sides of every jump."""
+    if not len(trajectory.states):
+        return trajectory.breaks
+    inside = [
+        np.linspace(
+            left, np.nextafter(right, left), max(_CURVE_POINTS // len(trajectory.states), 8)
+        )
+        for left, right in zip(trajectory.breaks[:-1], trajectory.breaks[1:], strict=True)
+    ]
+    return np.concatenate([*inside, trajectory.breaks[-1:]])
+
+
+def _superscript(k: int) -> str:
+    return "" if k == 1 else str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _until_settled(move: MoveSurvey, time: FloatArray) -> slice:
+    """Return the samples up to a little after the slowest response has settled."""
+    settled = [result.settling_time_s for result in move.responses.values()]
+    end = 1.15 * max([value for value in settled if isfinite(value)], default=inf)
+    return slice(0, int(np.searchsorted(time, end)) + 1)
+
+
+def _loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
+    """Return frequencies around the crossover [Hz] and L there."""
+    margins = survey.margins
+    centre = margins.crossover_hz
+    if not 0.0 < centre < inf:
+        centre = float(np.abs(margins.closed_loop_poles).max()) / (2.0 * np.pi)
+    frequency = centre * np.logspace(-2.0, 2.0, _CURVE_POINTS)
+    return frequency, survey.loop.loop_transfer()(2j * np.pi * frequency)
+
+
+def _db(values: Any) -> FloatArray:
+    return np.asarray(20.0 * np.log10(np.abs(values)))
+
+
+def _phase_deg(values: Any) -> FloatArray:
+    """Return the unwrapped phase, its right end within (−360, 0]."""
+    phase = np.degrees(np.unwrap(np.angle(values)))
+    return np.asarray(phase - 360.0 * np.ceil(phase[-1] / 360.0))
+
+
+def _decibels(value: float) -> str:
+    return f"{value:.4g} dB" if isfinite(value) else "any amount"
+
+
+def _finish(ax: Axes, title: str, xlabel: str, ylabel: str) -> Axes:
+    ax.set_title(title, fontsize=11)
+    ax.set_xlabel(xlabel)
+    ax.set_ylabel(ylabel)
+    ax.grid(alpha=0.3)
+    return ax

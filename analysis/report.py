@@ -1,0 +1,237 @@
+"""A survey and a move as text: tables for the terminal, plain data for JSON and CSV."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+from ..shaping.derivatives import derivative_name
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from .plan import Plan
+    from .survey import MoveSurvey, Survey
+
+
+def survey_tables(survey: Survey) -> list[Table]:
+    """Return the tables of a survey: margins, design check, step, moves."""
+    tables = [_margins_table(survey)]
+    if survey.checks:
+        tables.append(_design_table(survey))
+    return [*tables, _step_table(survey), _moves_table(survey)]
+
+
+def survey_data(survey: Survey) -> dict[str, Any]:
+    """Return every number of a survey as plain data, positions in the scenario's unit.
+
+    Numbers that are infinite or do not exist become None.
+    """
+    scenario, step = survey.scenario, survey.step
+    controller = survey.loop.controller
+    return {
+        "title": scenario.title,
+        "scenario": scenario.path.name,
+        "units": {
+            "position": scenario.position_unit,
+            "torque": _torque_unit(survey),
+            "inertia": "kg m^2" if scenario.motion == "angle" else "kg",
+            "gains": "torque unit per rad, m and s",
+        },
+        "plant": {"inertia": scenario.inertia},
+        "controller": {"kp": controller.kp, "ki": controller.ki, "kr": controller.kr},
+        "feedforward": {"inertia": scenario.feedforward_inertia},
+        "filter": survey.jerk_filter
+        and {"corner_hz": survey.jerk_filter.corner_hz, "order": survey.jerk_filter.order},
+        "margins": survey.margins.as_dict(),
+        "design_check": [
+            {
+                "name": check.name,
+                "unit": check.unit,
+                "asked": check.asked,
+                "achieved": check.achieved,
+                "met": check.met,
+            }
+            for check in survey.checks
+        ],
+        "step": {
+            "overshoot_percent": step.overshoot_percent,
+            "peak_time_s": step.peak_time_s,
+            "rise_time_s": step.rise_time_s,
+            "settling_time_s": step.settling_time_s,
+        },
+        "moves": [_move_data(move, scenario.position_scale) for move in survey.moves],
+        "findings": list(survey.findings),
+    }
+
+
+def plan_tables(plan: Plan) -> list[Table]:
+    """Return the tables of a planned move: peaks against limits, and the switches."""
+    return [_peaks_table(plan), _switch_table(plan)]
+
+
+def _peaks_table(plan: Plan) -> Table:
+    move, unit = plan.trajectory, plan.unit
+    title = f"Move of order {move.order}, {move.duration:.10g} s"
+    table = _table(title, "", "peak", "limit", "unit")
+    for k in range(1, move.order + 1):
+        lower, upper = (side / plan.scale for side in plan.limits.bounds(k))
+        limit = f"{upper:.9g}" if upper == -lower else f"{lower:.9g} … {upper:.9g}"
+        table.add_row(
+            derivative_name(k),
+            f"{move.peak(k) / plan.scale:.9g}",
+            "none" if upper == inf and lower == -inf else limit,
+            f"{unit}/s" if k == 1 else f"{unit}/s^{k}",
+        )
+    return table
+
+
+def _switch_table(plan: Plan) -> Table:
+    """Return the state at every switch of a move, just after it."""
+    header, rows = switch_rows(plan)
+    table = _table("Switch table: state just after each switch", *header)
+    peaks = [plan.trajectory.peak(k) / plan.scale for k in range(plan.trajectory.order + 1)]
+    for row in rows:
+        table.add_row(f"{row[0]:.9g}", *map(_cleaned, row[1:], peaks))
+    return table
+
+
+def switch_rows(plan: Plan) -> tuple[list[str], list[list[float]]]:
+    """Return header and rows of the switch table: time, state just after it, end included."""
+    trajectory, unit, scale = plan.trajectory, plan.unit, plan.scale
+    units = [unit, f"{unit}/s"] + [f"{unit}/s^{k}" for k in range(2, trajectory.order + 1)]
+    header = ["time [s]"] + [f"{derivative_name(k)} [{u}]" for k, u in enumerate(units)]
+    states = [*trajectory.states, trajectory.end_state]
+    rows = [
+        [float(time), *(float(value) / scale + 0.0 for value in state)]
+        for time, state in zip(trajectory.breaks, states, strict=True)
+    ]
+    return header, rows
+
+
+def _move_data(move: MoveSurvey, scale: float) -> dict[str, Any]:
+    configured = move.configured
+    return {
+        "name": move.name,
+        "distance": move.move.distance / scale,
+        "settle_to": move.move.settle_to / scale,
+        "order": move.trajectory.order,
+        "duration_s": move.duration_s,
+        "switch_times_s": [float(time) for time in move.trajectory.switch_times],
+        "peaks": {
+            derivative_name(k): move.trajectory.peak(k) / scale
+            for k in range(1, move.trajectory.order + 1)
+        },
+        "settling_time_s": _number(configured.settling_time_s),
+        "peak_error": configured.peak_error / scale,
+        "peak_torque": configured.peak_torque,
+        "responses": [
+            {
+                "name": result.name,
+                "settling_time_s": _number(result.settling_time_s),
+                "peak_error": result.peak_error / scale,
+                "peak_torque": result.peak_torque,
+                "overshoot": result.overshoot / scale,
+            }
+            for result in move.responses.values()
+        ],
+    }
+
+
+def _margins_table(survey: Survey) -> Table:
+    margins = survey.margins
+    table = _table("Loop margins", "", "value", "at")
+    for name, value, unit, at in (
+        ("gain crossover", margins.crossover_hz, "Hz", None),
+        ("phase margin", margins.phase_margin_deg, "deg", margins.crossover_hz),
+        ("lower gain margin", margins.lower_gain_margin_db, "dB", margins.lower_gain_margin_hz),
+        ("upper gain margin", margins.upper_gain_margin_db, "dB", margins.upper_gain_margin_hz),
+        ("delay margin", margins.delay_margin_s, "s", margins.delay_margin_hz),
+        ("modulus margin", margins.modulus_margin, "", margins.modulus_margin_hz),
+        ("disk margin", margins.disk_margin, "", margins.disk_margin_hz),
+        ("peak of S", margins.sensitivity_peak, "", margins.sensitivity_peak_hz),
+        ("peak of T", margins.complementary_peak, "", margins.complementary_peak_hz),
+        ("bandwidth", margins.bandwidth_hz, "Hz", None),
+    ):
+        place = "" if at is None or not isfinite(at) else f"{at:.4g} Hz"
+        table.add_row(name, _shown(value, unit), place)
+    return table
+
+
+def _design_table(survey: Survey) -> Table:
+    table = _table("Design check", "", "asked", "achieved", "")
+    for check in survey.checks:
+        verdict = "[green]met[/]" if check.met else "[red]missed[/]"
+        table.add_row(
+            check.name, f"{check.asked:.4g} {check.unit}", f"{check.shown} {check.unit}", verdict
+        )
+    return table
+
+
+def _step_table(survey: Survey) -> Table:
+    step = survey.step
+    table = _table("Unit step, without feedforward", "", "value")
+    table.add_row("overshoot", f"{step.overshoot_percent:.2f} %")
+    table.add_row("peak at", f"{step.peak_time_s:.4f} s")
+    table.add_row("rise, 10 to 90 %", f"{step.rise_time_s:.4f} s")
+    table.add_row("settled to 2 %", f"{step.settling_time_s:.4f} s")
+    return table
+
+
+def _moves_table(survey: Survey) -> Table:
+    unit, scale = survey.scenario.position_unit, survey.scenario.position_scale
+    torque = "torque" if survey.scenario.motion == "angle" else "force"
+    table = _table(
+        "Moves",
+        "",
+        "duration [s]",
+        "settled [s]",
+        f"peak error [{unit}]",
+        f"peak {torque} [{_torque_unit(survey)}]",
+    )
+    for move in survey.moves:
+        settle_to = f"settled to {move.move.settle_to / scale:.4g} {unit}"
+        table.add_row(f"[bold]{move.name}[/] ({settle_to})", f"{move.duration_s:.4f}", "", "", "")
+        for result in move.responses.values():
+            table.add_row(
+                f"  {result.name}",
+                "",
+                _shown(result.settling_time_s, "", 4),
+                _small(result.peak_error, move.move.settle_to, scale),
+                f"{result.peak_torque:.4g}",
+            )
+    return table
+
+
+def _cleaned(value: float, peak: float) -> str:
+    """Return a number for reading, rounding errors beside its peak left out."""
+    return f"{value:.6g}" if abs(value) > 1e-12 * peak else "0"
+
+
+def _small(error: float, tolerance: float, scale: float) -> str:
+    """Return an error, or "0" where it is rounding beside the settling tolerance."""
+    return "0" if error < 1e-9 * tolerance else f"{error / scale:.4g}"
+
+
+def _shown(value: float, unit: str, digits: int = 5) -> str:
+    if isfinite(value):
+        return f"{value:.{digits}g} {unit}".strip()
+    return "none" if value > 0 else "—"
+
+
+def _number(value: float) -> float | None:
+    return value if isfinite(value) else None
+
+
+def _torque_unit(survey: Survey) -> str:
+    return "N m" if survey.scenario.motion == "angle" else "N"
+
+
+def _table(title: str, *columns: str) -> Table:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    for i, column in enumerate(columns):
+        table.add_column(column, justify="left" if i == 0 else "right")
+    return table

@@ -1,0 +1,303 @@
+"""The survey of a servo loop (Thompson, Section VII): margins, step, moves, wrong Ĵ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import log
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..plant import (
+    PID,
+    Inertia,
+    InertiaFeedforward,
+    LoopResponse,
+    ServoLoop,
+    design_pid,
+    printed_pid,
+    respond,
+)
+from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping.pieces import FloatArray
+from ..shaping.trajectory import point
+from .margins import LoopMargins, loop_margins
+from .scenario import Gains, Move, Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_SAMPLES = 4000  # per response: settling times then err by less than 1e-6 of the horizon
+_STEP_DECAY = 1e-5  # the step is followed until its slowest mode has died away to this
+
+
+class UnstableLoopError(ValueError):
+    """The closed loop is not asymptotically stable, so that it has no survey."""
+
+
+@dataclass(frozen=True)
+class SpecificationCheck:
+    """One line of the design check: what was asked, what the loop has."""
+
+    name: str
+    unit: str
+    asked: float
+    achieved: float
+
+    @property
+    def shown(self) -> str:
+        """The achieved value with the digits that its unit deserves."""
+        return f"{self.achieved:.3f}" if self.unit == "Hz" else f"{self.achieved:.1f}"
+
+    @property
+    def met(self) -> bool:
+        """Whether the two agree to 0.1 %."""
+        return abs(self.achieved - self.asked) <= 1e-3 * abs(self.asked)
+
+
+@dataclass(frozen=True, eq=False)
+class StepResponse:
+    """Response of the closed loop, without feedforward, to a unit step of the command.
+
+    `rise_time_s` is from 10 to 90 %, `settling_time_s` to ±2 %.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    overshoot_percent: float
+    peak_time_s: float
+    rise_time_s: float
+    settling_time_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class MoveResponse:
+    """One response to a move, with its figures in SI units."""
+
+    name: str
+    response: LoopResponse
+    settling_time_s: float
+    peak_error: float
+    peak_torque: float
+    overshoot: float
+
+
+@dataclass(frozen=True, eq=False)
+class MoveSurvey:
+    """A move of the scenario, shaped, filtered and run through the loop.
+
+    `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
+    varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
+    as the scenario describes it, with feedforward.
+    """
+
+    name: str
+    move: Move
+    trajectory: Trajectory
+    responses: Mapping[str, MoveResponse]
+
+    @property
+    def duration_s(self) -> float:
+        """Duration of the shaped command, before the filter."""
+        return self.trajectory.duration
+
+    @property
+    def configured(self) -> MoveResponse:
+        """The response with the scenario's own feedforward."""
+        return self.responses["with feedforward"]
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Everything that the survey of a scenario found, in SI units."""
+
+    scenario: Scenario
+    loop: ServoLoop
+    jerk_filter: JerkFilter | None
+    margins: LoopMargins
+    checks: tuple[SpecificationCheck, ...]
+    step: StepResponse
+    moves: tuple[MoveSurvey, ...]
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Plain sentences on what does not meet its specification."""
+        missed = [check for check in self.checks if not check.met]
+        if not missed:
+            return ()
+        listed = ", ".join(
+            f"{check.name} {check.shown} {check.unit} (asked {check.asked:.4g})" for check in missed
+        )
+        overshoot = f"step overshoot {self.step.overshoot_percent:.1f} %"
+        if self.scenario.gains == "published":
+            return (
+                "The gains printed in Thompson, Section VII (k_r = 11.09J, k_i = 6.286k_r, "
+                f"k_p = 3.187k_r) miss their specifications: {listed}; {overshoot}, where the "
+                'text has 40 %. Use gains = "design" for a loop that meets them.',
+            )
+        return (f"The gains miss their specifications: {listed}; {overshoot}.",)
+
+    def plot(self) -> Figure:
+        """Return the picture of the survey."""
+        from .plots import plot_survey
+
+        return plot_survey(self)
+
+
+def survey(scenario: Scenario | str | Path) -> Survey:
+    """Survey the servo loop that a scenario describes.
+
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        A scenario, or the path of its TOML file.
+
+    Returns
+    -------
+    Survey
+
+    Raises
+    ------
+    ScenarioError
+        For a scenario file that cannot be used.
+    UnstableLoopError
+        Where the closed loop is unstable.
+    ValueError
+        Where gains cannot be designed or a move cannot be planned or driven.
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section VII.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario)
+    plant = Inertia(scenario.inertia)
+    loop = ServoLoop(plant, _controller(scenario), InertiaFeedforward(scenario.feedforward_inertia))
+    margins = loop_margins(loop.loop_transfer())
+    if not margins.stable:
+        worst = max(margins.closed_loop_poles, key=lambda pole: pole.real)
+        raise UnstableLoopError(
+            f"{scenario.path}: the closed loop is UNSTABLE, with a pole at {worst:.4g} rad/s; "
+            "there are no margins to report. Change the gains"
+        )
+    behind = scenario.filter
+    jerk_filter = None if behind is None else JerkFilter(behind.corner_hz, behind.order)
+    slowest = -max(pole.real for pole in margins.closed_loop_poles)
+    return Survey(
+        scenario,
+        loop,
+        jerk_filter,
+        margins,
+        _specification_checks(scenario, margins),
+        _step(ServoLoop(loop.plant, loop.controller), slowest),
+        tuple(_move(scenario, loop, jerk_filter, move, slowest) for move in scenario.moves),
+    )
+
+
+def _controller(scenario: Scenario) -> PID:
+    if isinstance(scenario.gains, Gains):
+        return PID(scenario.gains.kp, scenario.gains.ki, scenario.gains.kr)
+    if scenario.gains == "published":
+        return printed_pid(scenario.inertia)
+    asked = scenario.specification
+    assert asked is not None  # the scenario's own check
+    return design_pid(
+        scenario.inertia,
+        crossover_hz=asked.crossover_hz,
+        phase_margin_deg=asked.phase_margin_deg,
+        lower_gain_margin_db=asked.lower_gain_margin_db,
+    )
+
+
+def _specification_checks(
+    scenario: Scenario, margins: LoopMargins
+) -> tuple[SpecificationCheck, ...]:
+    asked = scenario.specification
+    if asked is None:
+        return ()
+    return (
+        SpecificationCheck("crossover", "Hz", asked.crossover_hz, margins.crossover_hz),
+        SpecificationCheck("phase margin", "deg", asked.phase_margin_deg, margins.phase_margin_deg),
+        SpecificationCheck(
+            "lower gain margin", "dB", asked.lower_gain_margin_db, margins.lower_gain_margin_db
+        ),
+    )
+
+
+def _step(loop: ServoLoop, slowest: float) -> StepResponse:
+    """Follow a unit step until the slowest mode, of decay rate `slowest`, has died away."""
+    duration = -log(_STEP_DECAY) / slowest
+    response = respond(loop.closed_loop(), point(1.0, 1), duration / _SAMPLES, duration=duration)
+    time, position = np.asarray(response.time), np.asarray(response.outputs)
+    peak_time, peak = _vertex(time, position)
+    outside = np.flatnonzero(np.abs(position - 1.0) > 0.02)
+    return StepResponse(
+        time,
+        position,
+        overshoot_percent=100.0 * max(peak - 1.0, 0.0),
+        peak_time_s=peak_time,
+        rise_time_s=_first_reach(time, position, 0.9) - _first_reach(time, position, 0.1),
+        settling_time_s=float(time[min(outside[-1] + 1, time.size - 1)]) if outside.size else 0.0,
+    )
+
+
+def _vertex(time: FloatArray, values: FloatArray) -> tuple[float, float]:
+    """Return time and value of the maximum, from the parabola through its three samples."""
+    k = int(values.argmax())
+    if not 0 < k < values.size - 1:
+        return float(time[k]), float(values[k])
+    before, here, after = values[k - 1 : k + 2]
+    offset = 0.5 * (before - after) / (before - 2.0 * here + after)
+    step = time[1] - time[0]
+    return float(time[k] + offset * step), float(here - 0.25 * (before - after) * offset)
+
+
+def _first_reach(time: FloatArray, values: FloatArray, level: float) -> float:
+    """Return when a response that starts below a level first reaches it."""
+    k = int(np.argmax(values >= level))
+    fraction = (level - values[k - 1]) / (values[k] - values[k - 1])
+    return float(time[k - 1] + fraction * (time[k] - time[k - 1]))
+
+
+def _move(
+    scenario: Scenario,
+    loop: ServoLoop,
+    jerk_filter: JerkFilter | None,
+    move: Move,
+    slowest: float,
+) -> MoveSurvey:
+    trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds))
+    tolerance = move.settle_to / abs(move.distance)
+    horizon = trajectory.duration + -log(0.01 * tolerance) / slowest
+    if jerk_filter is not None:
+        horizon += jerk_filter.settling_time(0.01 * tolerance)
+    j_hat, error = scenario.feedforward_inertia, scenario.inertia_error
+    variants = {
+        "without feedforward": 0.0,
+        "with feedforward": j_hat,
+        f"Ĵ {100 * error:+.4g} %": j_hat * (1.0 + error),
+        f"Ĵ {-100 * error:+.4g} %": j_hat * (1.0 - error),
+    }
+    responses = {}
+    for name, inertia in variants.items():
+        varied = ServoLoop(loop.plant, loop.controller, InertiaFeedforward(inertia))
+        response = varied.respond(
+            trajectory, horizon / _SAMPLES, duration=horizon, jerk_filter=jerk_filter
+        )
+        responses[name] = _figures(name, response, move)
+    return MoveSurvey(move.name, move, trajectory, MappingProxyType(responses))
+
+
+def _figures(name: str, response: LoopResponse, move: Move) -> MoveResponse:
+    beyond = (response.position - move.distance) * np.sign(move.distance)
+    return MoveResponse(
+        name,
+        response,
+        settling_time_s=response.settling_time(move.distance, move.settle_to),
+        peak_error=float(np.abs(response.error).max()),
+        peak_torque=float(np.abs(response.torque).max()),
+        overshoot=max(float(beyond.max()), 0.0),
+    )
