@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..shaping import Trajectory
 from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
-from ..shaping.propagate import grid, propagate
+from ..shaping.propagate import grid, product, propagate
 
 if TYPE_CHECKING:
     import control
@@ -93,8 +93,8 @@ def respond(
         plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=plant.isdtime()
     )
     inputs = trajectory.evaluate(time, max(numbers))[numbers]
-    outputs = plant.C @ states
-    outputs += plant.D @ inputs
+    outputs = product(plant.C, states)
+    outputs += product(plant.D, inputs)
     return control.TimeResponseData(
         time,
         outputs,

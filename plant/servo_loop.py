@@ -11,7 +11,7 @@ import numpy as np
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray
-from ..shaping.propagate import grid, propagate
+from ..shaping.propagate import grid, product, propagate
 from .feedforward import InertiaFeedforward
 from .inertia import Inertia
 from .pid import PID
@@ -194,8 +194,8 @@ class ServoLoop:
             states = propagate(loop.A, loop.B, (0, 1, 2), moved, dt, time.size, rest)
         else:
             states, inputs = _through_filter(loop, jerk_filter, moved, dt, time.size)
-        outputs = loop.C @ states
-        outputs += loop.D @ inputs
+        outputs = product(loop.C, states)
+        outputs += product(loop.D, inputs)
         outputs[0] += start
         states[0] += start
         inputs[0] += start

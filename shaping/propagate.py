@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, floor, inf
+from math import ceil, floor, inf, log2
 
 import numpy as np
 
@@ -22,13 +22,31 @@ from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
 from .trajectory import Trajectory
 
 _BLOCK = 256  # samples found by one matrix product
-_PRODUCT = 2**17  # multiplications at a time: larger products start threads that cost more
+_PRODUCT = 2**17  # multiplications at a time: larger products start threads, which cost more here
 _SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
+_TAYLOR_TERMS = 18  # for a norm of at most 1/2: the remainder is 1e-23
+_BALANCING_SWEEPS = 30
+_SMALL = 2.0**-10  # no use in making the nilpotent part smaller than this
 
 
 def grid(start: float, duration: float, dt: float) -> FloatArray:
     """Return start, start + dt, … up to start + duration (kept where it is a multiple of dt)."""
     return np.asarray(start + dt * np.arange(floor(duration / dt * (1 + 1e-12)) + 1.0))
+
+
+def product(left: FloatArray, right: FloatArray, out: FloatArray | None = None) -> FloatArray:
+    """Return left @ right, a slim matrix product, in parts too small to be worth threads."""
+    if out is None:
+        out = np.empty((left.shape[0], right.shape[1]))
+    by_rows = left.shape[0] > right.shape[1]
+    part = max(_PRODUCT // max(left.shape[1] * min(out.shape), 1), 1)
+    for i in range(0, max(out.shape), part):
+        some = slice(i, i + part)
+        if by_rows:
+            np.matmul(left[some], right, out=out[some])
+        else:
+            np.matmul(left, right[:, some], out=out[:, some])
+    return out
 
 
 def propagate(
@@ -129,7 +147,11 @@ class _Pieces:
 
 
 class _Driven:
-    """The linear system with its polynomial inputs, time in units of dt."""
+    """The linear system with its polynomial inputs, time in units of dt.
+
+    `generator` acts on [x; p] divided by `scale`, powers of two that balance its rows against
+    its columns: so the result does not depend on the units of the states.
+    """
 
     def __init__(
         self,
@@ -146,73 +168,113 @@ class _Driven:
         coupling = np.zeros((self.size, order + 1))
         for column, d in enumerate(derivatives):
             coupling[:, d] += b[:, column] / dt**d
+        if not discrete:
+            a, coupling = a * dt, coupling * dt
         chain = np.eye(order + 1, k=1)
-        if discrete:
-            self.generator = np.block([[a, coupling], [np.zeros_like(coupling.T), chain]])
-        else:
-            self.generator = np.block([[a * dt, coupling * dt], [np.zeros_like(coupling.T), chain]])
-        self.norm = 1.0 + float(np.abs(a).sum(axis=0).max(initial=0.0)) * dt
-
-    def step(self) -> FloatArray:
-        """Return the matrix that takes [x; p] one dt further."""
-        if not self.discrete:
-            return self._exponential(1.0)
-        matrix = self.generator.copy()
-        n = len(matrix) - self.size
-        lag = np.arange(n)[None, :] - np.arange(n)[:, None]
-        matrix[self.size :, self.size :] = np.where(lag >= 0, INVERSE_FACTORIALS[np.abs(lag)], 0.0)
-        return matrix
+        generator = np.block([[a, coupling], [np.zeros_like(coupling.T), chain]])
+        self.scale = np.ones(len(generator)) if discrete else _balance(generator, self.size)
+        self.generator = generator * self.scale / self.scale[:, None]
+        self.norm = float(np.abs(self.generator).sum(axis=0).max())
 
     def powers(self, block: int) -> FloatArray:
         """Return the rows of x in the matrices that take [x; p] by 0 … block steps."""
-        step = self.step()
+        step = self._step()
         stack = np.eye(len(step))[None, : self.size]
         while len(stack) <= block:
             stack = np.concatenate([stack, stack @ step])
             step = step @ step
-        return stack[: block + 1]
+        stack = stack[: block + 1]
+        if not self.discrete:  # the last one is used again and again: without rounding of its own
+            leap = _exponential(self.generator * block, self.norm * block)
+            stack[block] = leap[: self.size]
+        scaled: FloatArray = stack * self.scale[: self.size, None] / self.scale
+        return scaled
 
     def cross(self, x: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
         """Return x at grid point k + 1, given x at k and the piece that k lies in."""
-        if self.discrete:
-            p = pieces.at(piece, np.array([float(k)]))[:, 0]
-            return np.asarray(self.generator[: self.size] @ np.concatenate([x, p]))
         here = float(k)
         while here < k + 1:
-            there = min(pieces.end(piece), k + 1.0)
+            there = k + 1.0 if self.discrete else min(pieces.end(piece), k + 1.0)
             if there > here:
                 p = pieces.at(piece, np.array([here]))[:, 0]
-                x = self._advance(np.concatenate([x, p]), there - here)[: self.size]
+                z = np.concatenate([x, p]) / self.scale
+                z = self.generator @ z if self.discrete else self._advance(z, there - here)
+                x = (z * self.scale)[: self.size]
             here, piece = there, piece + 1
         return x
+
+    def _step(self) -> FloatArray:
+        """Return the matrix that takes the scaled [x; p] one dt further."""
+        if not self.discrete:
+            return _exponential(self.generator, self.norm)
+        n = len(self.generator) - self.size
+        lag = np.arange(n)[None, :] - np.arange(n)[:, None]
+        shift = np.where(lag >= 0, INVERSE_FACTORIALS[np.abs(lag)], 0.0)
+        matrix = self.generator.copy()
+        matrix[self.size :, self.size :] = shift
+        return matrix
 
     def _advance(self, z: FloatArray, theta: float) -> FloatArray:
         """Return exp(generator·theta)·z."""
         if self.norm * theta > _SERIES_NORM:
-            return np.asarray(self._exponential(theta) @ z)
-        total = term = z
+            return np.asarray(_exponential(self.generator * theta, self.norm * theta) @ z)
+        total: FloatArray = z
+        term = z
         for k in range(1, 40):
             term = self.generator @ term * (theta / k)
             total = total + term
             if np.abs(term).max() <= 1e-18 * np.abs(total).max():
                 break
-        return np.asarray(total)
+        return total
 
-    def _exponential(self, theta: float) -> FloatArray:
-        """Return exp(generator·theta).
 
-        The coupling block enters linearly; it is scaled to the size of the others so that its
-        rounding does not reach them.
-        """
-        from scipy.linalg import expm
+def _exponential(matrix: FloatArray, norm: float) -> FloatArray:
+    """Return the exponential of a balanced matrix: Taylor series, scaled and squared.
 
-        n = self.size
-        matrix = self.generator * theta
-        scale = max(float(np.abs(matrix[:n, n:]).max(initial=0.0)), np.finfo(float).tiny)
-        matrix[:n, n:] /= scale
-        result = expm(matrix)
-        result[:n, n:] *= scale
-        return np.asarray(result)
+    For matrices as small as these a library's blocked algorithm is slower, and on a busy
+    machine its threads are a hundred times slower.
+    """
+    squarings = max(ceil(log2(norm)) + 1, 0) if norm > 0.0 else 0
+    small = matrix * 0.5**squarings
+    identity = np.eye(len(matrix))
+    total: FloatArray = identity + small / _TAYLOR_TERMS
+    for k in range(_TAYLOR_TERMS - 1, 0, -1):
+        total = identity + small @ total / k
+    for _ in range(squarings):
+        total = total @ total
+    return total
+
+
+def _balance(generator: FloatArray, size: int) -> FloatArray:
+    """Return d, powers of two, that make d⁻¹·generator·d as small as its first block allows.
+
+    Row and column sums of the first, size × size, block are brought to agree; the rest is
+    nilpotent behind a one-way coupling, and can be made as small as that block.
+    """
+    scale = np.ones(len(generator))
+    block = np.abs(generator[:size, :size])
+    own = block.diagonal().copy()
+    np.fill_diagonal(block, 0.0)
+    for _ in range(_BALANCING_SWEEPS):
+        rows, columns = block.sum(axis=1), block.sum(axis=0)
+        both = (rows > 0.0) & (columns > 0.0)
+        exponent = np.zeros(size)
+        exponent[both] = np.round(0.25 * np.log2(rows[both] / columns[both]))
+        if not exponent.any():
+            break
+        scale[:size] *= np.exp2(exponent)
+        block *= np.exp2(exponent[None, :] - exponent[:, None])
+    small = _power_of_two(min(max((own + block.sum(axis=0)).max(initial=0.0), _SMALL), 1.0))
+    scale[size:] = small ** np.arange(len(generator) - size)
+    coupling = np.abs(generator[:size, size:]) * scale[size:] / scale[:size, None]
+    largest = coupling.max(initial=0.0)
+    if largest > 0.0:
+        scale[size:] *= _power_of_two(small / largest)
+    return scale
+
+
+def _power_of_two(value: float) -> float:
+    return float(np.exp2(np.round(np.log2(value))))
 
 
 def _fill(out: FloatArray, inputs: FloatArray, powers: FloatArray) -> None:
@@ -231,12 +293,9 @@ def _fill(out: FloatArray, inputs: FloatArray, powers: FloatArray) -> None:
         x = leap @ x + driven[j - 1]
         starts[j, :size] = x
     whole = count // block
-    group = max(_PRODUCT // powers[:block, 0].size, 1)
     for i in range(size):
-        within = powers[:block, i].T
+        within = powers[:block, i]
         # a row of `out` is contiguous: its blocks are written in place, without a copy
-        row = out[i, : whole * block].reshape(whole, block)
-        for j in range(0, whole, group):
-            np.matmul(starts[j : min(j + group, whole)], within, out=row[j : j + group])
+        product(starts[:whole], within.T, out[i, : whole * block].reshape(whole, block))
         if whole < blocks:
-            out[i, whole * block :] = starts[whole] @ within[:, : count - whole * block]
+            out[i, whole * block :] = within[: count - whole * block] @ starts[whole]
