@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, isfinite, pi, radians, sin
+from math import atan2, cos, degrees, inf, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..shaping.checks import finite, positive
 from .inertia import Inertia
@@ -102,7 +104,8 @@ def design_pid(
     ValueError
         For a value that is not finite or not positive, or for specifications that contradict
         each other: a phase margin outside (0, 90) deg, or q ≥ ω_c² (g_m ≤ cos φ, a lower gain
-        margin so small that the zeros lie beyond the crossover).
+        margin so small that the zeros lie beyond the crossover), or a lower gain margin so small
+        that |L| = 1 again at a frequency with less phase margin.
 
     References
     ----------
@@ -135,12 +138,43 @@ def design_pid(
             f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected a positive number of dB, "
             "or the loop would already be unstable"
         )
-    kp = moment * omega**2 * cos(phase)
-    kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
-    ki = kr * kp / (moment * factor)
-    if not (isfinite(kp) and isfinite(ki) and isfinite(kr)):
-        raise ValueError("the gains leave the range of a double: check the units of J and Hz")
+    _check_other_crossovers(phase, factor, lower_gain_margin_db)
+    try:
+        kp = moment * omega**2 * cos(phase)
+        kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
+        ki = kr * (kp / (moment * factor))
+    except ArithmeticError:
+        kp = ki = kr = inf
+    if not all(0.0 < gain < inf for gain in (kp, ki, kr)):
+        raise ValueError(
+            f"the gains for J = {moment!r} and crossover_hz = {crossover_hz!r} leave the range of "
+            "a double: choose other units"
+        )
     return PID(kp, ki, kr)
+
+
+def _check_other_crossovers(phase: float, factor: float, asked_db: float) -> None:
+    """Refuse specifications whose loop crosses |L| = 1 again with a smaller phase margin.
+
+    With s in units of ω_c and J = 1 the crossovers are the positive roots x = ω² of
+    x³ − k_r²·x² + (2·k_i·k_r − k_p²)·x − k_i² = 0.
+    """
+    kp = cos(phase)
+    kr = sin(phase) / (1.0 - kp / factor)
+    ki = kr * kp / factor
+    roots = np.roots([1.0, -(kr**2), 2.0 * ki * kr - kp**2, -(ki**2)])
+    for root in roots:
+        if abs(root.imag) > 1e-9 * abs(root) or root.real <= 0.0:
+            continue
+        omega = sqrt(root.real)
+        margin = atan2(kp * omega, ki - kr * omega**2) - 0.5 * pi
+        if abs(margin) < phase * (1.0 - 1e-6):
+            raise ValueError(
+                f"lower_gain_margin_db = {asked_db!r} contradicts a phase margin of "
+                f"{degrees(phase):.6g} deg: |L| = 1 again at {omega:.4g} times the crossover, "
+                f"where the phase margin is {degrees(margin):.4g} deg; ask for a larger lower "
+                "gain margin"
+            )
 
 
 def printed_pid(inertia: Inertia | float) -> PID:

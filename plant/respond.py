@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..shaping import Trajectory
 from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
-from ..shaping.propagate import grid, product, propagate
+from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
 
 if TYPE_CHECKING:
     import control
@@ -85,6 +85,7 @@ def respond(
             f"{len(numbers)} derivatives for a system with {plant.ninputs} inputs "
             f"({', '.join(plant.input_labels)}): give one derivative of the trajectory per input"
         )
+    check_fed(trajectory, numbers)
     dt = positive("dt", dt)
     _check_timebase(plant, dt)
     time = grid(trajectory.start_time, _duration(trajectory, duration), dt)
@@ -92,7 +93,7 @@ def respond(
     states = propagate(
         plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=plant.isdtime()
     )
-    inputs = trajectory.evaluate(time, max(numbers))[numbers]
+    inputs = inputs_on_grid(trajectory, time, dt, max(numbers, default=0))[numbers]
     outputs = product(plant.C, states)
     outputs += product(plant.D, inputs)
     return control.TimeResponseData(

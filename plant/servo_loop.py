@@ -11,7 +11,7 @@ import numpy as np
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray
-from ..shaping.propagate import grid, product, propagate
+from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
 from .feedforward import InertiaFeedforward
 from .inertia import Inertia
 from .pid import PID
@@ -182,6 +182,7 @@ class ServoLoop:
             For a trajectory of order 1 (its acceleration is a train of impulses: bound the
             acceleration), or a dt or duration that is not positive.
         """
+        check_fed(trajectory, (0, 1, 2))
         dt = positive("dt", dt)
         length = trajectory.duration if duration is None else positive("duration", duration)
         start = float(trajectory.start_state[0])
@@ -189,7 +190,7 @@ class ServoLoop:
         time = grid(trajectory.start_time, length, dt)
         loop = self.system()
         if jerk_filter is None:
-            inputs = moved.evaluate(time, 2)
+            inputs = inputs_on_grid(moved, time, dt, 2)
             rest = np.zeros(loop.nstates)
             states = propagate(loop.A, loop.B, (0, 1, 2), moved, dt, time.size, rest)
         else:

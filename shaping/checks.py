@@ -6,9 +6,15 @@ from math import inf, isfinite
 from operator import index
 
 
+def _number(name: str, value: float) -> float:
+    if isinstance(value, str):
+        raise TypeError(f"{name} = {value!r}: expected a number, not text")
+    return float(value)
+
+
 def finite(name: str, value: float) -> float:
     """Return `value` as a float; ValueError unless it is finite."""
-    number = float(value)
+    number = _number(name, value)
     if not isfinite(number):
         raise ValueError(f"{name} = {value!r}: expected a finite number")
     return number
@@ -16,7 +22,7 @@ def finite(name: str, value: float) -> float:
 
 def positive(name: str, value: float) -> float:
     """Return `value` as a float; ValueError unless it is positive and finite."""
-    number = float(value)
+    number = _number(name, value)
     if not 0.0 < number < inf:
         raise ValueError(f"{name} = {value!r}: expected a positive, finite number")
     return number

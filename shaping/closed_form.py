@@ -1,11 +1,11 @@
 """Closed-form plans of rest-to-rest moves: which bounds are reached, and for how long.
 
 A plan starts with a perfect spline as the rise of some derivative k and works outwards: each
-lower derivative is the integral of a pulse (up, hold, down). `chain_plan` grows every width,
-innermost first, until the first bound or the distance stops it. With k = n − 1 that is the
-recursive S-curve (Pourkavoos; Lambrechts; Biagiotti & Melchiorri); with k = n − 2 and so on, the
-ramps are Thompson's perfect splines; with k = 0 the whole move is one. `swing_plan` is Thompson's
-"longer move" without cruise, where acceleration crosses over from A to −A in a single spline.
+lower derivative is the integral of a pulse (up, hold, down). `chain_plan` grows the spline and
+then every width, innermost first, until the first bound or the distance stops it. With k = n − 1
+that is the recursive S-curve (Pourkavoos; Lambrechts; Biagiotti & Melchiorri); with k = n − 2 and
+so on, the ramps are Thompson's perfect splines; with k = 0 the whole move is one. `swing_plan` is
+Thompson's "longer move" without cruise, where acceleration crosses from A to −A in one spline.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, isfinite, sqrt
+from math import exp, inf, isfinite, log, sqrt
 
 from .pieces import RealArray, advance, extrema
 from .rise import (
@@ -25,6 +25,8 @@ from .rise import (
     swing_rise,
     unit_spline,
 )
+
+_SECANT_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -49,29 +51,30 @@ class ChainPlan:
 
 @dataclass(frozen=True)
 class SwingPlan:
-    """Acceleration up to A, held, across to −A in one spline, held, and back to zero."""
+    """Acceleration up to A, held, across to −A in one spline, held, and back to zero.
+
+    `up` and `across` are the span of each spline and the bound of its highest derivative.
+    """
 
     order: int
     acceleration: float
     distance: float
-    span: float
-    crossing: float
+    up: tuple[float, float]
+    across: tuple[float, float]
     hold: float
-    highest: float
     duration: float
 
     def build(self) -> Rise:
         """Return the position rise of this plan."""
-        a, u = self.acceleration, self.highest
-        up = spline_rise(self.order, self.span, a, u)
-        across = spline_rise(self.order, self.crossing, 2.0 * a, u)
+        up_span, up_highest = self.up
+        span, highest = self.across
+        up = spline_rise(self.order, up_span, self.acceleration, up_highest)
+        across = spline_rise(self.order, span, 2.0 * self.acceleration, highest)
         return swing_rise(up, self.hold, across, self.distance)
 
 
-def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPlan | None:
+def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPlan:
     """Plan a move whose innermost rise is the perfect spline of derivative `level`.
-
-    None where a bound stops the spline of level 0 short of the distance.
 
     Parameters
     ----------
@@ -83,12 +86,10 @@ def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPla
         0 ≤ level < n.
     """
     limit = (distance, *bounds)
-    highest, order = limit[-1], len(bounds) - level
-    span, binding = _core_span(limit, level)
-    if binding > level == 0:
-        return None
-    peak = limit[level] if binding == level else highest / spline_divisor(order) * span**order
-    core = (order, span, peak)
+    order = len(bounds) - level
+    peak, binding = _core_peak(limit, level)
+    span, highest = spline_span(peak, limit[level + 1 :])
+    core = (order, span, peak, highest)
     holds, peaks = [], []
     for k in range(level, 0, -1):
         hold = 0.0
@@ -99,7 +100,7 @@ def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPla
         span = 2.0 * span + hold
         holds.append(hold)
         peaks.append(peak)
-    return ChainPlan(*core, highest, tuple(holds), tuple(peaks), span)
+    return ChainPlan(*core, tuple(holds), tuple(peaks), span)
 
 
 def swing_plan(distance: float, bounds: Sequence[float]) -> SwingPlan | None:
@@ -108,49 +109,64 @@ def swing_plan(distance: float, bounds: Sequence[float]) -> SwingPlan | None:
     Where the distance is too short to hold A, A is lowered until the hold vanishes.
     """
     order = len(bounds) - 2
-    highest, velocity = bounds[-1], bounds[0]
     if order < 1 or not isfinite(bounds[1]):
         return None
+    velocity, acceleration, inner = bounds[0], bounds[1], bounds[2:]
     velocity_gain, position_gain = _crossing_gains(order)
-    ratio = 2.0 ** (1.0 / order)
-    a = bounds[1]
-    span = (a / highest * spline_divisor(order)) ** (1.0 / order)
-    # R/2 = a·(h²/2 + b·h + c): position at the middle, as a function of the hold h.
-    b = 0.5 * (1.0 + ratio) * span
-    c = (0.25 * (1.0 + ratio) + position_gain * (ratio**2 - 1.0)) * span**2
-    excess = 0.5 * distance / a - c
+    excess = 0.5 * (distance - _swing_distance(acceleration, inner, position_gain)) / acceleration
     if excess < 0.0:
-        shrink = (0.5 * distance / (a * c)) ** (1.0 / (order + 2))
-        span *= shrink
-        a *= shrink**order
-        hold = 0.0
-    else:
-        hold = 2.0 * excess / (b + sqrt(b * b + 2.0 * excess))
-    crossing = ratio * span
-    peak_velocity = a * (0.5 * span + hold + velocity_gain * crossing)
-    peaks = (highest * c * crossing**p for c, p in spline_peaks(order))
-    if peak_velocity > velocity or any(p > b for p, b in zip(peaks, bounds[2:], strict=False)):
+        acceleration = _solve_acceleration(distance, acceleration, inner, position_gain)
+        excess = 0.0
+    up, across = spline_span(acceleration, inner), spline_span(2.0 * acceleration, inner)
+    # R/2 = a·(h²/2 + b·h) + R(h = 0)/2, the position at the middle
+    b = 0.5 * (up[0] + across[0])
+    hold = 2.0 * excess / (b + sqrt(b * b + 2.0 * excess))
+    if acceleration * (0.5 * up[0] + hold + velocity_gain * across[0]) > velocity:
         return None
-    duration = 2.0 * (span + hold) + crossing
-    return SwingPlan(order, a, distance, span, crossing, hold, highest, duration)
+    duration = 2.0 * (up[0] + hold) + across[0]
+    return SwingPlan(order, acceleration, distance, up, across, hold, duration)
 
 
 def fastest_plan(distance: float, bounds: Sequence[float]) -> ChainPlan | SwingPlan:
     """Return the shortest of all closed-form plans; for n ≤ 3 it is the minimum time."""
-    plans = [chain_plan(distance, bounds, level) for level in range(len(bounds))]
-    feasible = [plan for plan in (*plans, swing_plan(distance, bounds)) if plan is not None]
-    return min(feasible, key=lambda plan: plan.duration)
+    plans: list[ChainPlan | SwingPlan] = [
+        chain_plan(distance, bounds, level) for level in range(len(bounds))
+    ]
+    swing = swing_plan(distance, bounds)
+    if swing is not None:
+        plans.append(swing)
+    return min(plans, key=lambda plan: plan.duration)
+
+
+def spline_span(peak: float, inner: Sequence[float]) -> tuple[float, float]:
+    """Return the shortest span of a spline rise within bounds, and its highest derivative.
+
+    Parameters
+    ----------
+    peak : float
+        What the rise reaches.
+    inner : sequence of float
+        Bounds on its derivatives 1…m, the last one finite. Where one below m binds, the spline
+        is slower than derivative m alone would allow, which lowers that derivative.
+    """
+    m = len(inner)
+    divisor = spline_divisor(m)
+    full = (peak / inner[-1] * divisor) ** (1.0 / m)
+    span = full
+    for i, c in enumerate(spline_peaks(m), start=1):
+        span = max(span, (c * divisor * peak / inner[i - 1]) ** (1.0 / i))
+    return span, inner[-1] if span == full else peak * divisor / span**m
 
 
 @lru_cache(maxsize=64)
-def spline_peaks(order: int) -> tuple[tuple[float, int], ...]:
-    """Return (c, p) for derivatives 1…n−1 of a perfect spline: peak = c·D·T^p, p = n − k."""
+def spline_peaks(order: int) -> tuple[float, ...]:
+    """Return c_k for derivatives k = 1…n−1 of a perfect spline: peak = c_k·D·T^(n−k)."""
     unit = unit_spline(order)
     peaks = []
     for k in range(1, order):
         low, high = extrema(unit.durations, unit.rows[k:])
         peak = max(float(high.max()), -float(low.min()))
-        peaks.append((peak / spline_divisor(order), order - k))
+        peaks.append(peak / spline_divisor(order))
     return tuple(peaks)
 
 
@@ -172,24 +188,53 @@ def _crossing_gains(order: int) -> tuple[float, float]:
     return float(state[1]), float(state[0])
 
 
-def _core_span(limit: Sequence[float], level: int) -> tuple[float, int]:
-    """Return the span of the innermost spline and the derivative whose bound stops it.
+def _swing_distance(acceleration: float, inner: Sequence[float], gain: float) -> float:
+    """Return the distance of a swing without hold."""
+    up, across = spline_span(acceleration, inner)[0], spline_span(2.0 * acceleration, inner)[0]
+    return 2.0 * acceleration * ((0.25 - gain) * up * up + 0.25 * up * across + gain * across**2)
 
-    The derivative returned is the outermost one that is not above `level`, or `level` + 1 where
-    a bound inside the spline stops it.
+
+def _solve_acceleration(
+    distance: float, acceleration: float, inner: Sequence[float], gain: float
+) -> float:
+    """Return the acceleration, below the one given, whose swing without hold covers a distance.
+
+    Secant steps in logarithms: the distance is a power of the acceleration, or a few of them in
+    turn with exponents of 3 at most.
     """
-    order = len(limit) - 1 - level
-    highest, divisor = limit[-1], spline_divisor(order)
-    span, binding = inf, level + 1
-    for (c, p), bound in zip(spline_peaks(order), limit[level + 1 :], strict=False):
-        span = min(span, (bound / (c * highest)) ** (1.0 / p))
-    for q in range(level + 1):
-        # Outer widths that just follow the spline: peak_{level−q} = peak·span^q·2^(q(q−1)/2).
-        ratio = limit[level - q] / highest * (divisor / 2.0 ** (q * (q - 1) // 2))
-        widest = ratio ** (1.0 / (order + q))
-        if widest <= span:
-            span, binding = widest, level - q
-    return span, binding
+    excess = log(_swing_distance(acceleration, inner, gain) / distance)
+    step = -excess / 3.0
+    for _ in range(_SECANT_STEPS):
+        acceleration *= exp(step)
+        before, excess = excess, log(_swing_distance(acceleration, inner, gain) / distance)
+        if abs(excess) < 1e-15 or excess == before:
+            break
+        step *= excess / (before - excess)
+    return acceleration
+
+
+def _core_peak(limit: Sequence[float], level: int) -> tuple[float, int]:
+    """Return the peak of the innermost spline and the derivative whose bound stops it.
+
+    Of several that bind it is the outermost, so that no width between is left with a hold that
+    is nothing but rounding.
+    """
+    inner = limit[level + 1 :]
+    m, divisor = len(inner), spline_divisor(len(inner))
+    slopes = [c * divisor / bound for c, bound in zip(spline_peaks(m), inner, strict=False)]
+    slopes.append(divisor / inner[-1])
+    peak, binding = limit[level], level
+    for q in range(1, level + 1):
+        # Outer widths that just follow: peak_{level−q} = p·span^q·2^(q(q−1)/2) for each
+        # span = (slope·p)^(1/i) of `spline_span`.
+        target = limit[level - q] / 2.0 ** (q * (q - 1) // 2)
+        widest = min(
+            target ** (i / (i + q)) * slope ** (-q / (i + q)) if slope else inf
+            for i, slope in enumerate(slopes, start=1)
+        )
+        if widest <= peak:
+            peak, binding = widest, level - q
+    return peak, binding
 
 
 def _pulse_width(limit: Sequence[float], k: int, span: float, peak: float) -> tuple[float, int]:

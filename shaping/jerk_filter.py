@@ -9,11 +9,13 @@ import numpy as np
 
 from .checks import positive, whole
 from .pieces import FloatArray
-from .propagate import grid, propagate
+from .propagate import grid, inputs_on_grid, propagate
 from .trajectory import Trajectory
 
 MAX_FILTER_ORDER = 50
 """Highest filter order accepted."""
+
+_SLOW = 3.0  # ω·T of a move below which differences of the lags lose fewer digits
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,28 +127,36 @@ class JerkFilter:
         -------
         FilterResponse
             `time` (N,), `states` (order + 1, N): position and derivatives up to the filter's
-            order. Each derivative is the filter's response to the same derivative of the
-            trajectory, so that none is a difference of larger numbers.
+            order.
+
+        Notes
+        -----
+        Derivative k of the output is the filter's response to derivative k of the trajectory,
+        as long as that has no impulses and the filter is not slow beside the move; above, and
+        for slow filters, it follows from the lags, z_j' = ω·(z_{j−1} − z_j).
         """
         dt = positive("dt", dt)
         if duration is None:
             duration = trajectory.duration + self.settling_time(1e-6)
         time = grid(trajectory.start_time, positive("duration", duration), dt)
-        states = np.empty((self.order + 1, time.size))
-        lags = np.empty((self.order, time.size))
-        direct = min(self.order, trajectory.order)
+        start = float(trajectory.start_state[0])
+        trajectory = trajectory.shift(-start)
         a, b = self.state_space()
+        slow = self.omega * trajectory.duration < _SLOW
+        direct = 0 if slow else min(self.order, trajectory.lowest_jump())
+        states = np.empty((self.order + 1, time.size))
         for k in range(direct + 1):
             initial = self.steady_state(trajectory, k)
             lags = propagate(a, b, [k], trajectory, dt, time.size, initial)
             states[k] = lags[-1]
-        for k in range(direct + 1, self.order + 1):
-            states[k] = self._difference(lags, k - direct)
+        command = inputs_on_grid(trajectory, time, dt, direct)[direct]
+        chain = np.vstack([command, lags])
+        for k in range(1, self.order + 1 - direct):
+            states[direct + k] = self._difference(chain, k)
+        states[0] += start
         return FilterResponse(time, states)
 
-    def _difference(self, lags: FloatArray, k: int) -> FloatArray:
-        """Return derivative k < m of the output from the lags: z_j' = ω·(z_{j−1} − z_j)."""
-        m = self.order
-        weights = [(-1.0) ** i * comb(k, i) for i in range(k + 1)]
-        total = sum(w * lags[m - 1 - k + i] for i, w in enumerate(weights))
-        return np.asarray(self.omega**k * total)
+    def _difference(self, chain: FloatArray, k: int) -> FloatArray:
+        """Return derivative k ≤ m of the last lag, from the command and all lags (m + 1, N)."""
+        terms = [(-1.0) ** i * comb(k, i) * chain[self.order - k + i] for i in range(k + 1)]
+        return np.asarray(self.omega**k * np.sum(terms, axis=0))

@@ -105,12 +105,18 @@ class Limits:
         )
 
     def __repr__(self) -> str:
-        shown = []
-        for k, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), start=1):
-            if not (isinf(low) and isinf(high)):
-                bound = f"{high!r}" if high == -low else f"({low!r}, {high!r})"
-                shown.append(f"{derivative_name(k)}={bound}")
-        return f"Limits({', '.join(shown)})"
+        shown = [
+            None if isinf(low) and isinf(high) else high if high == -low else (low, high)
+            for low, high in zip(self.lower, self.upper, strict=True)
+        ]
+        if self.order > 6:
+            return f"Limits.from_bounds({shown!r})"
+        named = [
+            f"{derivative_name(k)}={bound!r}"
+            for k, bound in enumerate(shown, start=1)
+            if bound is not None
+        ]
+        return f"Limits({', '.join(named)})"
 
 
 def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
@@ -118,6 +124,8 @@ def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
     if bound is None:
         return -inf, inf
     try:
+        if isinstance(bound, str):
+            raise TypeError
         if isinstance(bound, tuple | list):
             low, high = (float(side) for side in bound)
         else:

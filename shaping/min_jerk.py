@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .checks import finite, positive
-from .trajectory import Trajectory, point
+from .trajectory import Trajectory, point, within_range
 
 
 def min_jerk_move(
@@ -75,7 +75,11 @@ def min_jerk_move(
     if distance == 0.0:
         return point(start, 5)
     factor = {"duration": None, "average_velocity": 1.0, "max_velocity": 1.875}[name]
-    time = value if factor is None else positive("duration", factor * abs(distance) / value)
+    time = value if factor is None else factor * (abs(distance) / value)
+    return within_range(lambda: _quintic(start, distance, time))
+
+
+def _quintic(start: float, distance: float, time: float) -> Trajectory:
     jerk = 60.0 * distance / time**3
     state = [start, 0.0, 0.0, jerk, -6.0 * jerk / time, 12.0 * jerk / time**2]
     return Trajectory([0.0, time], [state], None, [start + distance, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite
 from typing import Literal
 
 from .checks import finite, positive, whole
@@ -12,7 +12,7 @@ from .limits import Limits
 from .low_order import low_order_move
 from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
-from .trajectory import Trajectory, point
+from .trajectory import Trajectory, point, within_range
 
 MAX_MOVE_ORDER = 14
 """Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
@@ -88,12 +88,7 @@ def min_time_move(
         return point(start, limits.order)
     forward = limits if distance > 0.0 else limits.mirror()
     _check_bounded(forward)
-    if limits.order <= 3:
-        move = low_order_move(abs(distance), forward)
-    else:
-        bounds = [min(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
-        bounds[0] = forward.upper[0]
-        move = to_trajectory(fastest_plan(abs(distance), bounds).build())
+    move = within_range(lambda: _positive_move(abs(distance), limits, forward))
     if distance < 0.0:
         move = move.mirror()
     return move.shift(start) if start else move
@@ -138,8 +133,7 @@ def perfect_spline(distance: float, order: int, bound: float, *, start: float = 
     order, bound = whole("order", order, 1, MAX_ORDER), positive("bound", bound)
     if distance == 0.0:
         return point(start, order)
-    span = (abs(distance) / bound * spline_divisor(order)) ** (1.0 / order)
-    move = to_trajectory(spline_rise(order, span, abs(distance), bound))
+    move = within_range(lambda: _positive_spline(abs(distance), order, bound))
     return (move if distance > 0.0 else move.mirror()).shift(start)
 
 
@@ -185,6 +179,21 @@ def bound_for_rise_time(acceleration: float, rise_time: float, order: int) -> fl
     rise_time = positive("rise_time", rise_time)
     order = whole("order", order, 3, MAX_ORDER)
     return acceleration * spline_divisor(order - 2) / rise_time ** (order - 2)
+
+
+def _positive_move(distance: float, limits: Limits, forward: Limits) -> Trajectory:
+    if limits.order <= 3:
+        return low_order_move(distance, forward)
+    bounds = [min(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
+    bounds[0] = forward.upper[0]
+    if not 0.0 < distance / bounds[-1] < inf:
+        raise OverflowError
+    return to_trajectory(fastest_plan(distance, bounds).build())
+
+
+def _positive_spline(distance: float, order: int, bound: float) -> Trajectory:
+    span = (distance / bound * spline_divisor(order)) ** (1.0 / order)
+    return to_trajectory(spline_rise(order, span, distance, bound))
 
 
 def _check_bounded(limits: Limits) -> None:

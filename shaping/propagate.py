@@ -24,6 +24,7 @@ from .trajectory import Trajectory
 _BLOCK = 256  # samples found by one matrix product
 _PRODUCT = 2**17  # multiplications at a time: larger products start threads, which cost more here
 _SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
+_ON_GRID = 1e-13  # a break this near to a sample, relative to its index, lies on it
 _TAYLOR_TERMS = 18  # for a norm of at most 1/2: the remainder is 1e-23
 _BALANCING_SWEEPS = 30
 _SMALL = 2.0**-10  # no use in making the nilpotent part smaller than this
@@ -32,6 +33,30 @@ _SMALL = 2.0**-10  # no use in making the nilpotent part smaller than this
 def grid(start: float, duration: float, dt: float) -> FloatArray:
     """Return start, start + dt, … up to start + duration (kept where it is a multiple of dt)."""
     return np.asarray(start + dt * np.arange(floor(duration / dt * (1 + 1e-12)) + 1.0))
+
+
+def check_fed(trajectory: Trajectory, derivatives: Sequence[int]) -> None:
+    """Refuse derivatives that a system cannot be fed with."""
+    for d in derivatives:
+        if d > trajectory.order:
+            raise ValueError(
+                f"{derivative_name(d)} of a trajectory of order {trajectory.order} is a train of "
+                f"impulses: use limits up to {derivative_name(d)} at least"
+            )
+
+
+def inputs_on_grid(trajectory: Trajectory, time: FloatArray, dt: float, highest: int) -> FloatArray:
+    """Return derivatives 0…highest on a grid of `grid`, (highest + 1, N).
+
+    A sample that falls on a break, but for rounding, has the value just after it, as in
+    `propagate`.
+    """
+    breaks = (trajectory.breaks - trajectory.start_time) / dt
+    at = np.round(breaks)
+    on_grid = (np.abs(breaks - at) <= _ON_GRID * np.maximum(at, 1.0)) & (at < time.size)
+    times = time.copy()
+    times[at[on_grid].astype(int)] = trajectory.breaks[on_grid]
+    return trajectory.evaluate(times, highest)
 
 
 def product(left: FloatArray, right: FloatArray, out: FloatArray | None = None) -> FloatArray:
@@ -88,12 +113,7 @@ def propagate(
     ValueError
         For a derivative above the trajectory's order: it would be a train of impulses.
     """
-    for d in derivatives:
-        if d > trajectory.order:
-            raise ValueError(
-                f"{derivative_name(d)} of a trajectory of order {trajectory.order} is a train of "
-                f"impulses: use limits up to {derivative_name(d)} at least"
-            )
+    check_fed(trajectory, derivatives)
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
     powers = system.powers(min(_BLOCK, count))
@@ -124,7 +144,10 @@ class _Pieces:
         end[trajectory.coasting + 1 :] = 0.0
         states = np.vstack([trajectory.states, end])
         scale = dt ** np.arange(trajectory.order + 1.0)
-        return cls((trajectory.breaks - trajectory.start_time) / dt, (states * scale).T)
+        starts = (trajectory.breaks - trajectory.start_time) / dt
+        whole = np.round(starts)
+        near = np.abs(starts - whole) <= _ON_GRID * np.maximum(whole, 1.0)
+        return cls(np.where(near, whole, starts), (states * scale).T)
 
     def holding(self, k: int) -> int:
         """Return the piece in which grid point k lies."""
@@ -220,10 +243,12 @@ class _Driven:
             return np.asarray(_exponential(self.generator * theta, self.norm * theta) @ z)
         total: FloatArray = z
         term = z
+        x = slice(0, self.size)
         for k in range(1, 40):
             term = self.generator @ term * (theta / k)
             total = total + term
-            if np.abs(term).max() <= 1e-18 * np.abs(total).max():
+            # after as many terms as there are states, every one has been reached by every other
+            if k > len(z) and (np.abs(term[x]) <= 1e-17 * np.abs(total[x])).all():
                 break
         return total
 

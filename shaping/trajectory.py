@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -9,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import positive
+from .checks import finite, positive
 from .derivatives import derivative_name, derivative_number
 from .limits import Limits
 from .pieces import MAX_ORDER, FloatArray, advance, evaluate, evaluate_sorted, extrema
@@ -82,6 +83,8 @@ class Trajectory:
                 f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
                 "position and one value per derivative"
             )
+        if coasting is not None and not -1 <= coasting < rows.shape[1] - 1:
+            raise ValueError(f"coasting = {coasting!r}: expected -1 to {rows.shape[1] - 2}")
         self._fill(times, rows, lengths, end, coasting)
 
     @classmethod
@@ -234,13 +237,30 @@ class Trajectory:
             excess = max(excess, high / upper - 1.0, low / lower - 1.0)
         return excess
 
+    def lowest_jump(self) -> int:
+        """Return the lowest derivative that jumps, at a break, the start or the end.
+
+        Coasting before and after counts; a jump is more than 1e-9 of the derivative's peak.
+        """
+        outside = np.vstack([self.start_state, self.end_state])
+        outside[:, self.coasting + 1 :] = 0.0
+        ends = evaluate(self.states.T, self.durations, range(self.order + 1)).T
+        jumps = np.abs(np.vstack([outside[:1], ends]) - np.vstack([self.states, outside[1:]]))
+        for k in range(self.order):
+            if jumps[:, k].max() > 1e-9 * self.peak(k):
+                return k
+        return self.order
+
     def derivative(self, k: int = 1) -> Trajectory:
         """Return derivative k as a trajectory of its own, 1 ≤ k < n.
 
         Outside [start, end] it stays the derivative of the coasting motion.
         """
         if not 1 <= k < self.order:
-            raise ValueError(f"derivative {k}: expected 1 to {self.order - 1} for order n > k")
+            raise ValueError(
+                f"derivative {k} of a trajectory of order {self.order}: expected 1 to n − 1 (the "
+                "highest is piecewise constant, not a trajectory)"
+            )
         return Trajectory(
             self.breaks,
             self.states[:, k:],
@@ -252,15 +272,16 @@ class Trajectory:
     def shift(self, distance: float) -> Trajectory:
         """Return the same motion `distance` further along."""
         offset = np.zeros(self.order + 1)
-        offset[0] = distance
+        offset[0] = finite("distance", distance)
         return self._with(self.breaks, self.states + offset, self.end_state + offset)
 
     def delay(self, time: float) -> Trajectory:
         """Return the same motion, `time` later."""
-        return self._with(self.breaks + time, self.states, self.end_state)
+        return self._with(self.breaks + finite("time", time), self.states, self.end_state)
 
     def scale(self, factor: float) -> Trajectory:
         """Return the motion with position and all derivatives multiplied by `factor`."""
+        factor = finite("factor", factor)
         return self._with(self.breaks, self.states * factor, self.end_state * factor)
 
     def mirror(self) -> Trajectory:
@@ -283,11 +304,11 @@ class Trajectory:
     def reverse(self) -> Trajectory:
         """Return the motion run backwards over the same time interval."""
         signs = (-1.0) ** np.arange(self.order + 1)
-        ends = np.vstack([self.states[1:], self.end_state])
-        ends[:, -1] = self.states[:, -1]
+        every = range(self.order + 1)
+        ends = evaluate(self.states.T, self.durations, every).T
         end = self.start_state * signs
         end[-1] = 0.0
-        return Trajectory(
+        return Trajectory.from_arrays(
             self.start_time + self.end_time - self.breaks[::-1],
             (ends * signs)[::-1],
             self.durations[::-1],
@@ -310,28 +331,22 @@ class Trajectory:
         ValueError
             Where a derivative would jump that does not jump in either part.
         """
-        if not (np.isfinite(dwell) and dwell >= 0):
+        if not 0.0 <= dwell < np.inf:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
         n = max(self.order, following.order)
-        first, second = _padded(self, n), _padded(following, n)
+        if dwell > 0.0:
+            waiting = np.zeros((1, n + 1))
+            waiting[0, : self.coasting + 1] = self.end_state[: self.coasting + 1]
+            return self.then(Trajectory([0.0, dwell], waiting)).then(following)
         _check_joint(self, following)
-        if dwell > 0:
-            waiting = first.end_state.copy()
-            waiting[self.coasting + 1 :] = 0.0
-            first = Trajectory(
-                np.append(first.breaks, first.end_time + dwell),
-                np.vstack([first.states, waiting]),
-                np.append(first.durations, dwell),
-                advance(waiting, dwell),
-                self.coasting,
-            )
+        first, second = _padded(self, n), _padded(following, n)
         second = second.shift(first.end_state[0] - second.start_state[0])
         second = second.delay(first.end_time - second.start_time)
-        return Trajectory(
+        return Trajectory.from_arrays(
             np.append(first.breaks, second.breaks[1:]),
             np.vstack([first.states, second.states]),
             np.append(first.durations, second.durations),
-            second.end_state,
+            second.end_state.copy(),
             min(first.coasting, second.coasting),
         )
 
@@ -343,7 +358,10 @@ class Trajectory:
         )
 
     def _with(self, breaks: FloatArray, states: FloatArray, end_state: FloatArray) -> Self:
-        return type(self)(breaks, states, self.durations, end_state, self.coasting)
+        for values in (breaks, states, end_state):
+            if not np.isfinite(values).all():
+                raise ValueError("the result leaves the range of a double")
+        return self.from_arrays(breaks, states, self.durations, end_state, self.coasting)
 
     @cached_property
     def _segments(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -416,9 +434,12 @@ def _check_times(breaks: FloatArray, durations: FloatArray, *, exact: bool) -> N
         raise ValueError(f"every piece must take time: got durations {durations}")
     if exact or not len(durations):
         return
-    mismatch = np.abs(breaks[1:] - breaks[:-1] - durations).max()
-    if not mismatch <= 1e-9 * np.abs(breaks).max():
-        raise ValueError(f"durations differ from the differences of breaks by {mismatch:g}")
+    steps = breaks[1:] - breaks[:-1]
+    rounding = 8.0 * np.finfo(float).eps * np.abs(breaks).max()
+    if (steps < 0.0).any() or not np.abs(steps - durations).max() <= (
+        rounding + 1e-9 * durations.sum()
+    ):
+        raise ValueError(f"durations differ from the differences of breaks: {durations}, {steps}")
 
 
 def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:
@@ -433,7 +454,7 @@ def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:
 def _padded(trajectory: Trajectory, n: int) -> Trajectory:
     """Return the same motion with zero derivatives up to n."""
     extra = n - trajectory.order
-    return Trajectory(
+    return Trajectory.from_arrays(
         trajectory.breaks,
         np.pad(trajectory.states, ((0, 0), (0, extra))),
         trajectory.durations,
@@ -452,6 +473,21 @@ def _check_joint(first: Trajectory, second: Trajectory) -> None:
                 f"{derivative_name(k)} would jump from {end:g} to {start:g} at the joint: let "
                 f"the second motion start at {end:g}"
             )
+
+
+def within_range(plan: Callable[[], Trajectory]) -> Trajectory:
+    """Return plan(), refusing durations and states that leave the range of a double."""
+    try:
+        with np.errstate(all="ignore"):
+            move = plan()
+        if 0.0 < move.duration < np.inf and np.isfinite(move.states).all():
+            return move
+    except (ArithmeticError, ValueError):
+        pass
+    raise ValueError(
+        "the duration or a state leaves the range of a double: choose distance and time units "
+        "nearer to the problem's own"
+    )
 
 
 def point(position: float, order: int) -> Trajectory:

@@ -1,5 +1,6 @@
 """Margins checked from outside: by destabilising the loop, by dense search, by exact cases."""
 
+import dataclasses
 import functools
 import json
 import math
@@ -448,6 +449,7 @@ def test_result_is_frozen_json_able_and_reads_as_text():
     with pytest.raises(AttributeError):
         margins.stable = False
     plain = json.loads(json.dumps(margins.as_dict(), allow_nan=False))
+    assert list(plain) == [field.name for field in dataclasses.fields(LoopMargins)]
     assert plain["upper_gain_margin_db"] is None
     assert plain["crossovers_hz"] == list(margins.crossovers_hz)
     assert plain["closed_loop_poles"][0] == [margins.closed_loop_poles[0].real, 0]

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from jounce.analysis import scenario as module
 from jounce.analysis.scenario import (
     FilterSection,
     Gains,
@@ -18,6 +17,7 @@ from jounce.analysis.scenario import (
     Specification,
     load_scenario,
 )
+from jounce.analysis.scenario_messages import EXAMPLE
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DEGREE = math.pi / 180
@@ -332,7 +332,7 @@ def test_rubin_limits_are_those_of_the_requirement():
 
 
 def test_the_built_in_example_of_all_keys_is_itself_a_scenario(write):
-    text = "\n".join(f"{key} = {inline(value)}" for key, value in module._EXAMPLE.items())
+    text = "\n".join(f"{key} = {inline(value)}" for key, value in EXAMPLE.items())
     assert load_scenario(write(text)).title == "Telescope axis"
 
 
@@ -379,10 +379,10 @@ def test_any_value_anywhere_is_taken_or_explained(tmp_path_factory, place, value
 
 @seed(3)
 @settings(max_examples=150, deadline=None, database=None)
-@given(key=st.sampled_from(sorted(module._EXAMPLE)), value=VALUES)
+@given(key=st.sampled_from(sorted(EXAMPLE)), value=VALUES)
 def test_any_section_is_taken_or_explained(tmp_path_factory, key, value):
     path = tmp_path_factory.getbasetemp() / "fuzz.toml"
-    sections = dict(module._EXAMPLE) | {key: value}
+    sections = dict(EXAMPLE) | {key: value}
     text = "\n".join(f"{name} = {inline(section)}" for name, section in sections.items())
     path.write_text(text, encoding="utf-8")
     assert_taken_or_explained(path)

@@ -1,0 +1,138 @@
+"""Measure what the README promises, on seeded random problems."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+
+import references  # noqa: E402  (the tests' own constants)
+
+from jounce.analysis import loop_margins  # noqa: E402
+from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid  # noqa: E402
+from jounce.shaping import JerkFilter, Limits, Trajectory, min_time_move  # noqa: E402
+from jounce.shaping.pieces import advance  # noqa: E402
+
+PROBLEMS = 60  # random moves per order
+
+
+def random_moves() -> Iterator[tuple[float, Limits, Trajectory]]:
+    """Yield moves of order 1 to 10, random bounds, distances and units (12 decades)."""
+    rng = np.random.default_rng(20260)
+    for order in range(1, 11):
+        for _ in range(PROBLEMS):
+            time, distance = 10.0 ** rng.uniform(-6.0, 6.0, 2)
+            bounds = [
+                distance / time**k * 10.0 ** rng.uniform(0.0, k)
+                if k == order or rng.random() < 0.7
+                else None
+                for k in range(1, order + 1)
+            ]
+            limits = Limits.from_bounds(bounds)
+            yield distance, limits, min_time_move(distance, limits)
+
+
+def jump(move: Trajectory) -> float:
+    """Return the largest jump of a derivative below n at a break, relative to its peak."""
+    worst = 0.0
+    following = [*move.states[1:], move.end_state]
+    for state, duration, after in zip(move.states, move.durations, following, strict=True):
+        end = advance(state, float(duration))
+        for k in range(move.order):
+            worst = max(worst, abs(end[k] - after[k]) / max(move.peak(k), 1e-300))
+    return worst
+
+
+def design_error() -> float:
+    """Return the largest relative error of the three margins over random specifications."""
+    rng = np.random.default_rng(1)
+    worst = 0.0
+    for _ in range(50):
+        asked = rng.uniform(0.1, 100.0), rng.uniform(5.0, 85.0), rng.uniform(1.0, 40.0)
+        hz, phase, gain = asked
+        pid = design_pid(
+            10.0 ** rng.uniform(-6.0, 6.0),
+            crossover_hz=hz,
+            phase_margin_deg=phase,
+            lower_gain_margin_db=gain,
+        )
+        inertia = pid.kp / ((2 * pi * hz) ** 2 * np.cos(np.radians(phase)))
+        found = loop_margins(ServoLoop(Inertia(inertia), pid).loop_transfer())
+        got = found.crossover_hz, found.phase_margin_deg, found.lower_gain_margin_db
+        worst = max(worst, *(abs(g / a - 1.0) for g, a in zip(got, asked, strict=True)))
+    return worst
+
+
+def feedforward_error() -> float:
+    """Return the tracking error with Ĵ = J over the distance, behind a jerk filter."""
+    pid = design_pid(1.0, crossover_hz=1.0, phase_margin_deg=45.0, lower_gain_margin_db=12.0)
+    loop = ServoLoop(Inertia(1.0), pid, InertiaFeedforward(1.0))
+    move = min_time_move(60.0, Limits(acceleration=720.0))
+    response = loop.respond(move, 1e-3, duration=10.0, jerk_filter=JerkFilter(2.0, 6))
+    return float(np.abs(response.error).max() / 60.0)
+
+
+def filter_error() -> float:
+    """Return the difference between two time grids of a filter's response, over its peak."""
+    move = min_time_move(1.0, Limits(acceleration=1.0))
+    jerk_filter = JerkFilter(2.0, 6)
+    fine = jerk_filter.respond(move, 1e-4, duration=5.0).states[:, ::1000]
+    coarse = jerk_filter.respond(move, 1e-1, duration=5.0).states
+    peak = np.abs(coarse).max(axis=1)
+    return float((np.abs(fine - coarse).max(axis=1) / peak).max())
+
+
+def gaps() -> dict[int, float]:
+    """Return the largest excess of the closed forms over the proven minimum time, by order."""
+    text = (ROOT / "tests" / "data" / "minimum_time.json").read_text(encoding="utf-8")
+    worst: dict[int, float] = {}
+    for problem in json.loads(text)["problems"]:
+        order = problem["order"]
+        bounds = [problem["bounds"].get(str(k)) for k in range(1, order + 1)]
+        duration = min_time_move(problem["distance"], Limits.from_bounds(bounds)).duration
+        gap = duration / problem["duration_lower"] - 1.0
+        worst[order] = max(worst.get(order, 0.0), gap)
+    return worst
+
+
+def table() -> str:
+    """Return the precision table in Markdown."""
+    moves = list(random_moves())
+    rows: list[tuple[str, float, Callable[[], float]]] = [
+        (
+            "end position of a move, over its distance (orders 1 to 10, 12 decades of units)",
+            references.END_POSITION,
+            lambda: max(abs(m.end_state[0] / d - 1.0) for d, _, m in moves),
+        ),
+        (
+            "excess over a bound, relative",
+            references.BOUND,
+            lambda: max(m.violation(limits) for _, limits, m in moves),
+        ),
+        (
+            "jump of a derivative below n at a break, over its peak",
+            references.CONTINUITY,
+            lambda: max(jump(m) for _, _, m in moves),
+        ),
+        ("response on two time grids, 1000 to 1, over its peak", references.RESPONSE, filter_error),
+        ("tracking error with Ĵ = J, over the distance", references.RESPONSE, feedforward_error),
+        ("margins of a designed PID, relative", references.MARGINS, design_error),
+    ]
+    lines = ["| quantity | promised | measured |", "| --- | ---: | ---: |"]
+    lines += [f"| {name} | {promised:.0e} | {f():.0e} |" for name, promised, f in rows]
+    lines += ["", "Largest excess of the closed forms over the proven minimum time, by order, on "]
+    lines[-1] += "the problems of `tests/data/minimum_time.json`: "
+    lines[-1] += ", ".join(f"n = {n}: {100 * gap:.2g} %" for n, gap in sorted(gaps().items()))
+    lines[-1] += "."
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(table())

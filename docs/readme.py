@@ -1,0 +1,125 @@
+"""Regenerate the README's parts that are measured or listed, not written.
+
+Run: python docs/readme.py tree precision picture benchmarks   (any of them; or `make readme`)
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import platform
+import re
+import sys
+import tomllib
+from datetime import UTC, datetime
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+README = ROOT / "README.md"
+FOLDERS = ("shaping", "plant", "analysis", "examples", "notebooks", "benchmarks", "docs", "tests")
+
+
+def replace_part(name: str, text: str) -> None:
+    """Replace what stands between the README's marks of a part."""
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    whole = README.read_text(encoding="utf-8")
+    pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
+    replaced, count = pattern.subn(lambda _: f"{begin}\n{text}\n{end}", whole)
+    if count != 1:
+        raise ValueError(f"{README.name} has {count} parts named {name!r}: expected one")
+    README.write_text(replaced, encoding="utf-8")
+
+
+def tree() -> str:
+    """Return the tree map: every source file with the first line of its docstring."""
+    lines = ["```"]
+    for folder in FOLDERS:
+        files = sorted(p for p in (ROOT / folder).glob("*") if p.suffix in (".py", ".toml"))
+        lines.append(f"{folder + '/':24s}{_about_folder(folder)}")
+        lines += [f"  {p.name:22s}{about}" for p in files if (about := _about_file(p))]
+    return "\n".join([*lines, "```"])
+
+
+def _about_folder(folder: str) -> str:
+    package = ROOT / folder / "__init__.py"
+    if package.exists():
+        return _first_line(package)
+    return {
+        "examples": "scenario files",
+        "notebooks": "percent scripts, each paired with an output-free .ipynb",
+        "benchmarks": "side by side with peers in one run",
+        "docs": "this README's picture and generated parts",
+        "tests": "one test_<file>.py per source file, in folders of the same names",
+    }[folder]
+
+
+def _about_file(path: Path) -> str:
+    if path.name == "__init__.py":
+        return ""
+    if path.suffix == ".toml":
+        return str(tomllib.loads(path.read_text(encoding="utf-8"))["title"])
+    if path.parent.name == "notebooks":
+        heading = re.search(r"^# # (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        return heading.group(1) if heading else ""
+    return _first_line(path)
+
+
+def _first_line(path: Path) -> str:
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return text.splitlines()[0] if text else ""
+
+
+def precision() -> str:
+    """Return the precision table, promised beside measured."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    return str(importlib.import_module("precision").table())
+
+
+def benchmarks() -> str:
+    """Return the tables of every benchmark, with date and machine."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    timing = importlib.import_module("timing")
+    parts = [f"Measured {datetime.now(UTC):%Y-%m-%d} on {_machine()}; medians of one run."]
+    for name in ("evaluation", "design", "response", "startup"):
+        module = importlib.import_module(name)
+        title = str(module.__doc__).splitlines()[0]
+        parts.append(f"**{title}** (`benchmarks/{name}.py`)")
+        parts.append(timing.table(module.HEADER, module.rows()))
+    return "\n\n".join(parts)
+
+
+def _machine() -> str:
+    model = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        found = re.search(r"model name\s*:\s*(.*)", cpuinfo.read_text(encoding="utf-8"))
+        model = found.group(1) if found else model
+    return f"{model}, Python {platform.python_version()}"
+
+
+def picture() -> None:
+    """Draw the survey of the telescope for the README, in a palette to keep the file small."""
+    from PIL import Image
+
+    from jounce.analysis import survey
+
+    path = ROOT / "docs" / "survey.png"
+    survey(ROOT / "examples" / "telescope.toml").plot().savefig(path, dpi=80)
+    Image.open(path).convert("RGB").quantize(64).save(path, optimize=True)
+
+
+def main(parts: list[str]) -> None:
+    """Regenerate the parts named."""
+    makers = {"tree": tree, "precision": precision, "benchmarks": benchmarks}
+    unknown = set(parts) - {*makers, "picture"}
+    if unknown or not parts:
+        raise SystemExit(f"expected some of: {', '.join([*makers, 'picture'])}; got {parts}")
+    for part in parts:
+        if part == "picture":
+            picture()
+        else:
+            replace_part(part, makers[part]())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,70 @@
+"""Turning points and crossings, checked against dense search and against roots known exactly."""
+
+import itertools
+import math
+
+import control
+import numpy as np
+import pytest
+
+from jounce.analysis.crossings import level_crossings, stationary_points
+from jounce.analysis.factored_loop import HIGHEST, LOWEST, FactoredLoop
+from jounce.analysis.margins import loop_margins
+
+NONE = np.empty(0, complex)
+
+
+def loop_of(zeros, poles, gain=1.0):
+    return FactoredLoop(np.array(zeros, complex), np.array(poles, complex), gain, NONE, NONE, NONE)
+
+
+def random_roots(rng, count):
+    sizes, damping = 10 ** rng.uniform(-2, 2, count), 10 ** rng.uniform(-3, 0, count)
+    roots = sizes * (-damping + 1j * np.sqrt(1 - damping**2))
+    return np.concatenate([roots, roots.conj()])
+
+
+@pytest.mark.parametrize("of_phase", [False, True])
+@pytest.mark.parametrize("seed", range(30))
+def test_between_stationary_points_a_quantity_is_monotone(seed, of_phase):
+    rng = np.random.default_rng(seed)
+    loop = loop_of(random_roots(rng, rng.integers(0, 4)), random_roots(rng, rng.integers(1, 6)))
+    points = stationary_points(loop.zeros, loop.poles, of_phase=of_phase)
+    function = loop.phase if of_phase else loop.log_gain
+    edges = np.concatenate([[1e-5], points, [1e5]])
+    for low, high in itertools.pairwise(edges):
+        steps = np.diff(function(np.geomspace(low, high, 300)))
+        assert steps.max() < 1e-12 or steps.min() > -1e-12
+
+
+@pytest.mark.parametrize("zeta", [0.5, 0.01, 0.001])
+def test_a_resonance_turns_where_theory_says(zeta):
+    pole = -zeta + 1j * math.sqrt(1 - zeta**2)
+    points = stationary_points(NONE, np.array([pole, pole.conjugate()]))
+    assert points == pytest.approx([math.sqrt(1 - 2 * zeta**2)], rel=1e-13)
+
+
+def test_a_turn_between_roots_far_apart_is_not_lost():
+    loop = loop_of([-1.0, -2.0], [-1e-16, 0.0, 0.0])
+    points = stationary_points(loop.zeros, loop.poles, of_phase=True)
+    at_dc, crossing = level_crossings(lambda omega: loop.phase(omega) + np.pi, points)
+    assert at_dc == LOWEST
+    assert crossing == pytest.approx(math.sqrt(2), rel=1e-12)
+
+
+@pytest.mark.parametrize(("slow", "fast"), [(0.1, 1e2), (1e-3, 1e4), (1e-5, 1e5)])
+def test_disk_margin_of_a_lag_and_lead_over_many_decades_agrees_with_dense_search(slow, fast):
+    s = control.tf("s")
+    loop = 10 * fast * (s + slow) / (s * (s + slow / 10) * (s + fast))
+    value = loop(1j * np.geomspace(slow / 100, 100 * fast, 100_001))
+    expected = 2 * abs((1 + value) / (1 - value)).min()
+    assert loop_margins(loop).disk_margin == pytest.approx(expected, rel=1e-6)
+
+
+def test_touches_crossings_and_limits_are_each_found_once():
+    def function(omega):
+        return np.minimum(np.log(omega) ** 2, 1.0) * np.sign(omega - 0.1)
+
+    assert level_crossings(function, np.array([0.5, 1.0, 2.0])) == pytest.approx([0.1, 1.0])
+    assert level_crossings(lambda omega: omega / (1 + omega), np.ones(1)) == [LOWEST]
+    assert level_crossings(lambda omega: 1 / (1 + omega), np.ones(1)) == [HIGHEST]

@@ -1,0 +1,64 @@
+"""Checks of a caller's numbers: what passes, and what the error says."""
+
+from fractions import Fraction
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from jounce.shaping.checks import finite, positive, whole
+
+TINY, HUGE = 5e-324, 1.7976931348623157e308
+
+
+@pytest.mark.parametrize("check", [finite, positive])
+@pytest.mark.parametrize("value", [3, 3.0, np.float64(3.5), np.int32(3), Fraction(3), True])
+def test_numbers_of_any_kind_come_back_as_floats(check, value):
+    result = check("speed", value)
+    assert type(result) is float
+    assert result == value
+
+
+@pytest.mark.parametrize("value", [0.0, -1.5, TINY, -HUGE, HUGE])
+def test_finite_accepts_every_double(value):
+    assert finite("place", value) == value
+
+
+@pytest.mark.parametrize("value", [TINY, 1e-300, HUGE])
+def test_positive_accepts_the_ends_of_the_range(value):
+    assert positive("gap", value) == value
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_finite_refuses_with_name_value_and_remedy(value):
+    with pytest.raises(ValueError, match=r"^place = .*(nan|inf).*: expected a finite number$"):
+        finite("place", value)
+
+
+@pytest.mark.parametrize("value", [0, 0.0, -0.0, -TINY, -3, nan, inf, -inf])
+def test_positive_refuses_with_name_value_and_remedy(value):
+    with pytest.raises(ValueError, match=r"^gap = .*: expected a positive, finite number$") as info:
+        positive("gap", value)
+    assert repr(value) in str(info.value)
+
+
+@pytest.mark.parametrize("check", [finite, positive])
+@pytest.mark.parametrize("value", ["fast", None, [1.0, 2.0], 1j])
+def test_what_is_no_number_is_refused(check, value):
+    with pytest.raises((TypeError, ValueError)):
+        check("speed", value)
+
+
+@pytest.mark.parametrize("value", [2, 5, np.int64(3), np.uint8(4)])
+def test_whole_returns_an_int_within_its_ends(value):
+    result = whole("count", value, 2, 5)
+    assert type(result) is int
+    assert result == value
+
+
+@pytest.mark.parametrize("value", [1, 6, -3, 3.0, 2.5, nan, inf, "3", None, np.float64(4)])
+def test_whole_refuses_with_name_value_and_range(value):
+    message = r"^count = .*: expected a whole number from 2 to 5$"
+    with pytest.raises(ValueError, match=message) as info:
+        whole("count", value, 2, 5)
+    assert repr(value) in str(info.value)

@@ -1,0 +1,36 @@
+"""Every notebook runs, and its two forms hold the same cells."""
+
+from pathlib import Path
+
+import jupytext
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+FOLDER = Path(__file__).parent.parent / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.py"))
+
+
+def test_there_are_notebooks_and_every_one_is_paired():
+    assert NOTEBOOKS
+    assert [path.stem for path in NOTEBOOKS] == sorted(p.stem for p in FOLDER.glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_pair_holds_the_same_cells_and_no_output(path):
+    script = jupytext.read(path)
+    notebook = jupytext.read(path.with_suffix(".ipynb"))
+    assert [(c.cell_type, c.source) for c in notebook.cells] == [
+        (c.cell_type, c.source) for c in script.cells
+    ], f"run: jupytext --to ipynb {path.name}"
+    assert not any(c.get("outputs") for c in notebook.cells)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_it_runs_without_warnings(path):
+    notebook = nbformat.read(path.with_suffix(".ipynb"), as_version=4)
+    client = NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(FOLDER)}})
+    client.execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert any("image/png" in o.get("data", {}) for o in outputs), "a notebook shows a picture"
+    assert not [o.text for o in outputs if o.get("name") == "stderr"]
