@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..shaping import Trajectory
 from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
+from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
 
 if TYPE_CHECKING:
@@ -88,14 +89,9 @@ def respond(
     check_fed(trajectory, numbers)
     dt = positive("dt", dt)
     _check_timebase(plant, dt)
-    time = grid(trajectory.start_time, _duration(trajectory, duration), dt)
-    initial = _initial_state(plant, initial_state)
-    states = propagate(
-        plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=plant.isdtime()
+    time, states, inputs, outputs = respond_on_grid(
+        plant, numbers, trajectory, dt, duration, _initial_state(plant, initial_state)
     )
-    inputs = inputs_on_grid(trajectory, time, dt, max(numbers, default=0))[numbers]
-    outputs = product(plant.C, states)
-    outputs += product(plant.D, inputs)
     return control.TimeResponseData(
         time,
         outputs,
@@ -107,6 +103,39 @@ def respond(
         state_labels=plant.state_labels,
         title="Exact response to a trajectory",
     )
+
+
+def respond_on_grid(
+    plant: control.StateSpace,
+    numbers: Sequence[int],
+    trajectory: Trajectory,
+    dt: float,
+    duration: float | None,
+    initial: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return time (N,), states, inputs and outputs (…, N) of the exact response.
+
+    All are rows of one array: large arrays come in large pages from the system, and asking for
+    the pages of several middling ones would take longer than all the arithmetic.
+    """
+    length = trajectory.duration if duration is None else positive("duration", duration)
+    time = grid(trajectory.start_time, length, dt)
+    n, k = plant.nstates, max(numbers, default=-1) + 1
+    rows = np.empty((n + k + plant.noutputs + 1, time.size))
+    states, derivatives, outputs = rows[:n], rows[n : n + k], rows[n + k : -1]
+    rows[-1] = time
+    inputs_on_grid(trajectory, rows[-1], dt, derivatives)
+    discrete = plant.isdtime()
+    propagate(
+        plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=discrete, out=states
+    )
+    mixing = np.zeros((plant.noutputs, n + k))
+    mixing[:, :n] = plant.C
+    for i, d in enumerate(numbers):
+        mixing[:, n + d] += plant.D[:, i]
+    product(mixing, rows[: n + k], outputs)
+    in_order = list(numbers) == list(range(k))
+    return rows[-1], states, derivatives if in_order else derivatives[list(numbers)], outputs
 
 
 def state_space(system: Any) -> control.StateSpace:
@@ -134,12 +163,6 @@ def state_space(system: Any) -> control.StateSpace:
 def _check_timebase(plant: control.StateSpace, dt: float) -> None:
     if plant.isdtime(strict=True) and plant.dt is not True and abs(plant.dt - dt) > 1e-9 * dt:
         raise ValueError(f"dt = {dt!r}: the system is sampled every {plant.dt!r}; use that dt")
-
-
-def _duration(trajectory: Trajectory, duration: float | None) -> float:
-    if duration is not None:
-        return positive("duration", duration)
-    return trajectory.duration
 
 
 def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:

@@ -11,10 +11,11 @@ import numpy as np
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray
-from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
+from ..shaping.propagate import check_fed
 from .feedforward import InertiaFeedforward
 from .inertia import Inertia
 from .pid import PID
+from .respond import respond_on_grid
 
 if TYPE_CHECKING:
     import control
@@ -183,45 +184,44 @@ class ServoLoop:
             acceleration), or a dt or duration that is not positive.
         """
         check_fed(trajectory, (0, 1, 2))
-        dt = positive("dt", dt)
-        length = trajectory.duration if duration is None else positive("duration", duration)
         start = float(trajectory.start_state[0])
         moved = trajectory.shift(-start)
-        time = grid(trajectory.start_time, length, dt)
-        loop = self.system()
-        if jerk_filter is None:
-            inputs = inputs_on_grid(moved, time, dt, 2)
-            rest = np.zeros(loop.nstates)
-            states = propagate(loop.A, loop.B, (0, 1, 2), moved, dt, time.size, rest)
-        else:
-            states, inputs = _through_filter(loop, jerk_filter, moved, dt, time.size)
-        outputs = product(loop.C, states)
-        outputs += product(loop.D, inputs)
-        outputs[0] += start
-        states[0] += start
-        inputs[0] += start
+        loop, initial = self.system(), np.zeros(self.system().nstates)
+        if jerk_filter is not None:
+            loop, initial = _behind_filter(loop, jerk_filter, moved)
+        time, states, inputs, outputs = respond_on_grid(
+            loop, (0, 1, 2), moved, positive("dt", dt), duration, initial
+        )
+        if jerk_filter is not None:
+            lags = 3 * jerk_filter.order
+            inputs = states[jerk_filter.order - 1 : lags : jerk_filter.order]
+            states = states[lags:]
+        for row in (outputs[0], states[0], inputs[0]):
+            row += start
         return LoopResponse(time, inputs, outputs, states)
 
 
-def _through_filter(
-    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory, dt: float, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return the loop's states and inputs with a jerk filter in front of each input."""
+def _behind_filter(
+    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory
+) -> tuple[control.StateSpace, FloatArray]:
+    """Return the loop with a jerk filter in front of each input, and its state at the start."""
+    import control
+
     a, b = jerk_filter.state_space()
     m, n = jerk_filter.order, loop.nstates
-    size = 3 * m + n
-    full = np.zeros((size, size))
-    drive = np.zeros((size, 3))
+    full = np.zeros((3 * m + n, 3 * m + n))
+    drive = np.zeros((3 * m + n, 3))
+    out = np.hstack([np.zeros((loop.noutputs, 3 * m)), loop.C])
     for i in range(3):
-        part = slice(i * m, (i + 1) * m)
+        part, last = slice(i * m, (i + 1) * m), (i + 1) * m - 1
         full[part, part] = a
         drive[part, i : i + 1] = b
-        full[3 * m :, (i + 1) * m - 1] = loop.B[:, i]
+        full[3 * m :, last] = loop.B[:, i]
+        out[:, last] = loop.D[:, i]
     full[3 * m :, 3 * m :] = loop.A
-    initial = np.zeros(size)
+    initial = np.zeros(3 * m + n)
     initial[: 3 * m] = np.concatenate([jerk_filter.steady_state(trajectory, k) for k in range(3)])
-    states = propagate(full, drive, (0, 1, 2), trajectory, dt, count, initial)
-    return states[3 * m :], states[m - 1 : 3 * m : m]
+    return control.StateSpace(full, drive, out, 0, remove_useless_states=False), initial
 
 
 def _named(

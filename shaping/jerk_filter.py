@@ -149,8 +149,9 @@ class JerkFilter:
             initial = self.steady_state(trajectory, k)
             lags = propagate(a, b, [k], trajectory, dt, time.size, initial)
             states[k] = lags[-1]
-        command = inputs_on_grid(trajectory, time, dt, direct)[direct]
-        chain = np.vstack([command, lags])
+        chain = np.empty((self.order + 1, time.size))
+        chain[1:] = lags
+        chain[0] = inputs_on_grid(trajectory, time, dt, np.empty((direct + 1, time.size)))[direct]
         for k in range(1, self.order + 1 - direct):
             states[direct + k] = self._difference(chain, k)
         states[0] += start

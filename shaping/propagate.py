@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, floor, inf, log2
 
 import numpy as np
@@ -45,8 +46,10 @@ def check_fed(trajectory: Trajectory, derivatives: Sequence[int]) -> None:
             )
 
 
-def inputs_on_grid(trajectory: Trajectory, time: FloatArray, dt: float, highest: int) -> FloatArray:
-    """Return derivatives 0…highest on a grid of `grid`, (highest + 1, N).
+def inputs_on_grid(
+    trajectory: Trajectory, time: FloatArray, dt: float, out: FloatArray
+) -> FloatArray:
+    """Put derivatives 0, 1, … on a grid of `grid` into `out`, one row each, and return it.
 
     A sample that falls on a break, but for rounding, has the value just after it, as in
     `propagate`.
@@ -54,9 +57,12 @@ def inputs_on_grid(trajectory: Trajectory, time: FloatArray, dt: float, highest:
     breaks = (trajectory.breaks - trajectory.start_time) / dt
     at = np.round(breaks)
     on_grid = (np.abs(breaks - at) <= _ON_GRID * np.maximum(at, 1.0)) & (at < time.size)
-    times = time.copy()
-    times[at[on_grid].astype(int)] = trajectory.breaks[on_grid]
-    return trajectory.evaluate(times, highest)
+    samples = at[on_grid].astype(int)
+    kept = time[samples]
+    time[samples] = trajectory.breaks[on_grid]
+    trajectory.evaluate(time, len(out) - 1, out)
+    time[samples] = kept
+    return out
 
 
 def product(left: FloatArray, right: FloatArray, out: FloatArray | None = None) -> FloatArray:
@@ -84,6 +90,7 @@ def propagate(
     initial: FloatArray,
     *,
     discrete: bool = False,
+    out: FloatArray | None = None,
 ) -> FloatArray:
     """Return the states of x' = A·x + Σ_i b_i·r^(d_i)(t) at count times dt apart.
 
@@ -103,6 +110,8 @@ def propagate(
         State at the first grid point.
     discrete : bool, optional
         Read the equation as x[k+1] = A·x[k] + Σ_i b_i·r^(d_i)(t_k) instead.
+    out : (n, count) array, optional
+        Where to put the result.
 
     Returns
     -------
@@ -117,7 +126,8 @@ def propagate(
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
     powers = system.powers(min(_BLOCK, count))
-    out = np.empty((len(a), count))
+    if out is None:
+        out = np.empty((len(a), count))
     out[:, 0] = initial
     here = 0
     while True:
@@ -193,15 +203,16 @@ class _Driven:
             coupling[:, d] += b[:, column] / dt**d
         if not discrete:
             a, coupling = a * dt, coupling * dt
-        chain = np.eye(order + 1, k=1)
-        generator = np.block([[a, coupling], [np.zeros_like(coupling.T), chain]])
+        generator = np.eye(self.size + order + 1, k=1)
+        generator[: self.size, : self.size] = a
+        generator[: self.size, self.size :] = coupling
         self.scale = np.ones(len(generator)) if discrete else _balance(generator, self.size)
         self.generator = generator * self.scale / self.scale[:, None]
         self.norm = float(np.abs(self.generator).sum(axis=0).max())
 
     def powers(self, block: int) -> FloatArray:
         """Return the rows of x in the matrices that take [x; p] by 0 … block steps."""
-        step = self._step()
+        step = self.step
         stack = np.eye(len(step))[None, : self.size]
         while len(stack) <= block:
             stack = np.concatenate([stack, stack @ step])
@@ -221,12 +232,13 @@ class _Driven:
             if there > here:
                 p = pieces.at(piece, np.array([here]))[:, 0]
                 z = np.concatenate([x, p]) / self.scale
-                z = self.generator @ z if self.discrete else self._advance(z, there - here)
+                z = self._advance(z, there - here)
                 x = (z * self.scale)[: self.size]
             here, piece = there, piece + 1
         return x
 
-    def _step(self) -> FloatArray:
+    @cached_property
+    def step(self) -> FloatArray:
         """Return the matrix that takes the scaled [x; p] one dt further."""
         if not self.discrete:
             return _exponential(self.generator, self.norm)
@@ -239,6 +251,8 @@ class _Driven:
 
     def _advance(self, z: FloatArray, theta: float) -> FloatArray:
         """Return exp(generator·theta)·z."""
+        if theta == 1.0:
+            return np.asarray(self.step @ z)
         if self.norm * theta > _SERIES_NORM:
             return np.asarray(_exponential(self.generator * theta, self.norm * theta) @ z)
         total: FloatArray = z

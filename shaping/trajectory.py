@@ -167,7 +167,9 @@ class Trajectory:
             return np.zeros(np.shape(t))[()]
         return np.asarray(self._evaluate(t, range(k, k + 1))[0])[()]
 
-    def evaluate(self, t: ArrayLike, highest: int | str | None = None) -> FloatArray:
+    def evaluate(
+        self, t: ArrayLike, highest: int | str | None = None, out: FloatArray | None = None
+    ) -> FloatArray:
         """Evaluate position and its derivatives 1…highest at times t.
 
         Parameters
@@ -176,6 +178,8 @@ class Trajectory:
             As in calling the trajectory.
         highest : int or str, optional
             At most n. Default: n.
+        out : (highest + 1, *t.shape) array, optional
+            Where to put the result; contiguous along time.
 
         Returns
         -------
@@ -184,7 +188,7 @@ class Trajectory:
         k = self.order if highest is None else derivative_number(highest)
         if k > self.order:
             raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
-        return self._evaluate(t, range(k + 1))
+        return self._evaluate(t, range(k + 1), out)
 
     def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Sample position and all derivatives at a fixed interval, both ends included.
@@ -373,12 +377,15 @@ class Trajectory:
         longest = np.concatenate([[np.inf], self.durations, [np.inf]])
         return origins, np.ascontiguousarray(states.T), longest
 
-    def _evaluate(self, t: ArrayLike, derivatives: range) -> FloatArray:
+    def _evaluate(
+        self, t: ArrayLike, derivatives: range, given: FloatArray | None = None
+    ) -> FloatArray:
         times = np.asarray(t, dtype=float)
         flat = times.ravel()
         if not np.isfinite(flat).all():
             raise ValueError("times must be finite: got NaN or infinity")
-        out = np.empty((len(derivatives), flat.size))
+        out = np.empty((len(derivatives), flat.size)) if given is None else given
+        out = out.reshape(len(derivatives), flat.size)
         if flat.size <= _GATHER_BELOW:
             self._gather(flat, derivatives, out)
         elif bool((flat[1:] >= flat[:-1]).all()):
