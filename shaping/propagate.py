@@ -11,12 +11,13 @@ piece's own state; within a piece the states at the samples are found a block at
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, floor, inf, log2
+from math import ceil, floor, inf, isqrt, log2
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .derivatives import derivative_name
 from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
@@ -125,20 +126,16 @@ def propagate(
     check_fed(trajectory, derivatives)
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
-    powers = system.powers(min(_BLOCK, count))
+    powers = system.powers(min(max(isqrt(count), 1), _BLOCK))
     if out is None:
         out = np.empty((len(a), count))
     out[:, 0] = initial
-    here = 0
-    while True:
-        piece = pieces.holding(here)
-        there = int(min(pieces.first_after(piece), count))
-        inputs = pieces.at(piece, np.arange(float(here), there, len(powers) - 1))
-        _fill(out[:, here:there], inputs, powers)
-        if there == count:
-            return out
-        out[:, there] = system.cross(out[:, there - 1], pieces, piece, there - 1)
-        here = there
+    for piece, here, there, inputs in pieces.runs(count, len(powers) - 1):
+        _fill(out[:, here:there], inputs[:, :-1], powers)
+        if there < count:
+            last = np.concatenate([out[:, there - 1], inputs[:, -1]])
+            out[:, there] = system.cross(last, pieces, piece, there - 1)
+    return out
 
 
 @dataclass(frozen=True)
@@ -159,24 +156,29 @@ class _Pieces:
         near = np.abs(starts - whole) <= _ON_GRID * np.maximum(whole, 1.0)
         return cls(np.where(near, whole, starts), (states * scale).T)
 
-    def holding(self, k: int) -> int:
-        """Return the piece in which grid point k lies."""
-        return int(np.searchsorted(self.starts, k, side="right")) - 1
+    def runs(self, count: int, block: int) -> Iterator[tuple[int, int, int, FloatArray]]:
+        """Yield, for each piece with samples, its number, its first sample and the next piece's.
+
+        With them comes p at every `block`-th of these samples and at the last, (n + 1, …).
+        """
+        firsts = [*np.minimum(np.ceil(self.starts), count).astype(int).tolist(), count]
+        held = [i for i in range(len(self.starts)) if firsts[i] < firsts[i + 1]]
+        at = [
+            np.append(np.arange(firsts[i], firsts[i + 1], block), firsts[i + 1] - 1) for i in held
+        ]
+        sizes = [len(samples) for samples in at]
+        inputs = self.at(np.repeat(held, sizes), np.concatenate(at).astype(float))
+        ends = np.cumsum(sizes).tolist()
+        for i, size, end in zip(held, sizes, ends, strict=True):
+            yield i, firsts[i], firsts[i + 1], inputs[:, end - size : end]
 
     def end(self, piece: int) -> float:
         """Return where a piece ends."""
         return float(self.starts[piece + 1]) if piece + 1 < len(self.starts) else inf
 
-    def first_after(self, piece: int) -> float:
-        """Return the first grid point beyond a piece."""
-        end = self.end(piece)
-        return ceil(end) if end < inf else end
-
-    def at(self, piece: int, theta: FloatArray) -> FloatArray:
-        """Return the inputs' chain p at times theta within a piece, (n + 1, N)."""
-        rows = np.repeat(self.states[:, piece, None], theta.size, axis=1)
-        tau = theta - self.starts[piece]
-        return evaluate(rows, tau, range(len(rows)))
+    def at(self, piece: NDArray[np.intp], theta: FloatArray) -> FloatArray:
+        """Return the inputs' chain p at times theta, each within its piece, (n + 1, N)."""
+        return evaluate(self.states[:, piece], theta - self.starts[piece], range(len(self.states)))
 
 
 class _Driven:
@@ -212,49 +214,44 @@ class _Driven:
 
     def powers(self, block: int) -> FloatArray:
         """Return the rows of x in the matrices that take [x; p] by 0 … block steps."""
-        step = self.step
-        stack = np.eye(len(step))[None, : self.size]
+        change = self._change
+        stack = np.eye(len(change))[None, : self.size]
         while len(stack) <= block:
-            stack = np.concatenate([stack, stack @ step])
-            step = step @ step
-        stack = stack[: block + 1]
-        if not self.discrete:  # the last one is used again and again: without rounding of its own
-            leap = _exponential(self.generator * block, self.norm * block)
-            stack[block] = leap[: self.size]
-        scaled: FloatArray = stack * self.scale[: self.size, None] / self.scale
+            stack = np.concatenate([stack, stack + stack @ change])
+            change = 2.0 * change + change @ change
+        scaled: FloatArray = stack[: block + 1] * self.scale[: self.size, None] / self.scale
         return scaled
 
-    def cross(self, x: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
-        """Return x at grid point k + 1, given x at k and the piece that k lies in."""
+    def cross(self, z: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
+        """Return x at grid point k + 1, given z = [x; p] at k and the piece that k lies in."""
         here = float(k)
-        while here < k + 1:
+        while True:
             there = k + 1.0 if self.discrete else min(pieces.end(piece), k + 1.0)
             if there > here:
-                p = pieces.at(piece, np.array([here]))[:, 0]
-                z = np.concatenate([x, p]) / self.scale
-                z = self._advance(z, there - here)
-                x = (z * self.scale)[: self.size]
+                z = self._advance(z / self.scale, there - here) * self.scale
+            if there == k + 1.0:
+                return z[: self.size]
             here, piece = there, piece + 1
-        return x
+            z[self.size :] = pieces.at(np.array([piece]), np.array([here]))[:, 0]
 
     @cached_property
-    def step(self) -> FloatArray:
-        """Return the matrix that takes the scaled [x; p] one dt further."""
+    def _change(self) -> FloatArray:
+        """The matrix, less one, that takes the scaled [x; p] one dt further."""
         if not self.discrete:
-            return _exponential(self.generator, self.norm)
+            return _exponential_less_one(self.generator, self.norm)
         n = len(self.generator) - self.size
         lag = np.arange(n)[None, :] - np.arange(n)[:, None]
         shift = np.where(lag >= 0, INVERSE_FACTORIALS[np.abs(lag)], 0.0)
         matrix = self.generator.copy()
         matrix[self.size :, self.size :] = shift
-        return matrix
+        return matrix - np.eye(len(matrix))
 
     def _advance(self, z: FloatArray, theta: float) -> FloatArray:
         """Return exp(generator·theta)·z."""
         if theta == 1.0:
-            return np.asarray(self.step @ z)
+            return np.asarray(z + self._change @ z)
         if self.norm * theta > _SERIES_NORM:
-            return np.asarray(_exponential(self.generator * theta, self.norm * theta) @ z)
+            return z + _exponential_less_one(self.generator * theta, self.norm * theta) @ z
         total: FloatArray = z
         term = z
         x = slice(0, self.size)
@@ -267,20 +264,20 @@ class _Driven:
         return total
 
 
-def _exponential(matrix: FloatArray, norm: float) -> FloatArray:
-    """Return the exponential of a balanced matrix: Taylor series, scaled and squared.
+def _exponential_less_one(matrix: FloatArray, norm: float) -> FloatArray:
+    """Return exp(matrix) − 1 of a balanced matrix: Taylor series, scaled and squared.
 
-    For matrices as small as these a library's blocked algorithm is slower, and on a busy
-    machine its threads are a hundred times slower.
+    Without the 1 a step much shorter than the time constants keeps all its digits. For matrices
+    as small as these a library's blocked algorithm is slower, and on a busy machine its threads
+    are a hundred times slower.
     """
     squarings = max(ceil(log2(norm)) + 1, 0) if norm > 0.0 else 0
     small = matrix * 0.5**squarings
-    identity = np.eye(len(matrix))
-    total: FloatArray = identity + small / _TAYLOR_TERMS
+    total: FloatArray = small / _TAYLOR_TERMS
     for k in range(_TAYLOR_TERMS - 1, 0, -1):
-        total = identity + small @ total / k
+        total = (small + small @ total) / k
     for _ in range(squarings):
-        total = total @ total
+        total = 2.0 * total + total @ total
     return total
 
 
