@@ -8,7 +8,7 @@ from __future__ import annotations
 from statistics import median
 
 import ruckig
-from timing import ratio, side_by_side, table
+from timing import ratio, repeated, side_by_side, table
 
 from jounce.shaping import Limits, min_time_move
 
@@ -34,8 +34,8 @@ def rows() -> list[tuple[str, ...]]:
     """Return the table's rows: move, our time, ruckig's time, ratio."""
     assert abs(design_jounce() / design_ruckig() - 1.0) < 1e-12
     ours, theirs = side_by_side(
-        lambda: [design_jounce() for _ in range(CALLS)],
-        lambda: [design_ruckig() for _ in range(CALLS)],
+        lambda: repeated(CALLS, design_jounce),
+        lambda: repeated(CALLS, design_ruckig),
     )
     found = [
         (

@@ -12,7 +12,7 @@ from statistics import median
 
 import control
 import numpy as np
-from timing import ratio, side_by_side, table
+from timing import ratio, repeated, side_by_side, table
 
 from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid
 from jounce.shaping import Limits, min_time_move
@@ -38,7 +38,7 @@ def rows() -> list[tuple[str, ...]]:
         reference = np.asarray(control.forced_response(driven, response.time, acceleration).outputs)
         difference = np.abs(reference - response.outputs).max(axis=1)
         ours, theirs = side_by_side(
-            lambda dt=dt: [loop.respond(move, dt, duration=DURATION) for _ in range(CALLS)],
+            lambda dt=dt: repeated(CALLS, lambda: loop.respond(move, dt, duration=DURATION)),
             lambda t=response.time, a=acceleration: control.forced_response(driven, t, a),
             repeats=7,
         )

@@ -25,6 +25,12 @@ def side_by_side(*calls: Callable[[], object], repeats: int = 15) -> list[list[f
     return seconds
 
 
+def repeated(times: int, call: Callable[[], object]) -> None:
+    """Run a call several times, its results dropped."""
+    for _ in range(times):
+        call()
+
+
 def ratio(numerator: list[float], denominator: list[float]) -> float:
     """Return the ratio of the medians."""
     return median(numerator) / median(denominator)

@@ -163,14 +163,13 @@ class _Pieces:
         """
         firsts = [*np.minimum(np.ceil(self.starts), count).astype(int).tolist(), count]
         held = [i for i in range(len(self.starts)) if firsts[i] < firsts[i + 1]]
-        at = [
-            np.append(np.arange(firsts[i], firsts[i + 1], block), firsts[i + 1] - 1) for i in held
-        ]
+        spans = [(firsts[i], firsts[i + 1]) for i in held]
+        at = [np.append(np.arange(first, after, block), after - 1) for first, after in spans]
         sizes = [len(samples) for samples in at]
         inputs = self.at(np.repeat(held, sizes), np.concatenate(at).astype(float))
         ends = np.cumsum(sizes).tolist()
-        for i, size, end in zip(held, sizes, ends, strict=True):
-            yield i, firsts[i], firsts[i + 1], inputs[:, end - size : end]
+        for i, span, size, end in zip(held, spans, sizes, ends, strict=True):
+            yield i, *span, inputs[:, end - size : end]
 
     def end(self, piece: int) -> float:
         """Return where a piece ends."""

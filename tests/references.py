@@ -25,6 +25,9 @@ CONTINUITY = 1e-12
 RESPONSE = 1e-10
 """Error of a linear system's exact response, relative to its peak."""
 
+MARGINS = 1e-10
+"""Error of the three margins that a PID was designed for, relative."""
+
 UNITS = 1e-13
 """Error of a duration under a change of units, relative."""
 
