@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import control
 
 
+_LARGE = 2**19  # doubles in 4 MiB
+
+
 def respond(
     system: control.StateSpace | control.TransferFunction,
     trajectory: Trajectory,
@@ -115,13 +118,12 @@ def respond_on_grid(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return time (N,), states, inputs and outputs (…, N) of the exact response.
 
-    All are rows of one array: large arrays come in large pages from the system, and asking for
-    the pages of several middling ones would take longer than all the arithmetic.
+    All are rows of one array, see `_block`.
     """
     length = trajectory.duration if duration is None else positive("duration", duration)
     time = grid(trajectory.start_time, length, dt)
     n, k = plant.nstates, max(numbers, default=-1) + 1
-    rows = np.empty((n + k + plant.noutputs + 1, time.size))
+    rows = _block(n + k + plant.noutputs + 1, time.size)
     states, derivatives, outputs = rows[:n], rows[n : n + k], rows[n + k : -1]
     rows[-1] = time
     inputs_on_grid(trajectory, rows[-1], dt, derivatives)
@@ -136,6 +138,18 @@ def respond_on_grid(
     product(mixing, rows[: n + k], outputs)
     in_order = list(numbers) == list(range(k))
     return rows[-1], states, derivatives if in_order else derivatives[list(numbers)], outputs
+
+
+def _block(rows: int, count: int) -> FloatArray:
+    """Return an empty array (rows, count), if possible in large pages.
+
+    numpy asks the system for large pages from 4 MiB on; what is not touched of them costs
+    nothing. Asking for small pages one by one would take longer than all the arithmetic.
+    """
+    size = rows * count
+    if size * 16 < _LARGE:
+        return np.empty((rows, count))
+    return np.empty(max(size, _LARGE))[:size].reshape(rows, count)
 
 
 def state_space(system: Any) -> control.StateSpace:
