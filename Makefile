@@ -29,6 +29,7 @@ format: $(VENV)/.installed-dev
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m compileall -q shaping plant analysis # pip does this only for what it copies
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
