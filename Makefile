@@ -25,6 +25,13 @@ format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+readme: $(VENV)/.installed-dev
+	$(BIN)/python docs/readme.py tree precision picture
+
+benchmark: $(VENV)/.installed-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
+	$(BIN)/python docs/readme.py benchmarks
+
 # The stamp files keep a second run from installing again.
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
