@@ -63,7 +63,7 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
     ax.annotate(
         f"crossover {margins.crossover_hz:.4g} Hz",
         (margins.crossover_hz, 0.0),
-        xytext=(8, -14),
+        xytext=(8, 6),
         textcoords="offset points",
         color=_ORANGE,
     )
@@ -76,8 +76,10 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
             ax.annotate(
                 f"{name} gain margin\n{abs(level):.4g} dB",
                 (at, level),
-                xytext=(8, 2),
+                xytext=(-8, -16),
                 textcoords="offset points",
+                ha="right",
+                va="top",
                 color=_RED,
             )
     return _finish(ax, "Open loop: gain", "frequency [Hz]", "|L| [dB]")
@@ -214,15 +216,16 @@ def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     for name, color in (("without feedforward", _ORANGE), ("with feedforward", _BLUE)):
         result = move.responses[name]
         shown = _until_settled(move, result.response.time)
-        label = f"{name}, peak {result.peak_error / scale:.3g} {unit}"
+        peak = result.peak_error if result.peak_error > 1e-9 * move.move.settle_to else 0.0
+        label = f"{name}, peak {peak / scale:.3g} {unit}"
         ax.plot(
             result.response.time[shown],
             result.response.error[shown] / scale,
             color=color,
             label=label,
         )
-    ax.margins(y=0.25)
-    ax.legend(loc="upper right")
+        ax.margins(y=0.3)
+    ax.legend(loc="lower right")
     return _finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
 
 

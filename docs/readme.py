@@ -32,12 +32,13 @@ def replace_part(name: str, text: str) -> None:
 
 def tree() -> str:
     """Return the tree map: every source file with the first line of its docstring."""
-    lines = ["```"]
+    lines = []
     for folder in FOLDERS:
         files = sorted(p for p in (ROOT / folder).glob("*") if p.suffix in (".py", ".toml"))
-        lines.append(f"{folder + '/':24s}{_about_folder(folder)}")
-        lines += [f"  {p.name:22s}{about}" for p in files if (about := _about_file(p))]
-    return "\n".join([*lines, "```"])
+        lines.append((f"{folder}/", _about_folder(folder)))
+        lines += [(f"  {p.name}", about) for p in files if (about := _about_file(p))]
+    width = max(len(name) for name, _ in lines) + 2
+    return "\n".join(["```", *(f"{name:{width}s}{about}" for name, about in lines), "```"])
 
 
 def _about_folder(folder: str) -> str:
@@ -105,7 +106,9 @@ def picture() -> None:
 
     path = ROOT / "docs" / "survey.png"
     survey(ROOT / "examples" / "telescope.toml").plot().savefig(path, dpi=80)
-    Image.open(path).convert("RGB").quantize(64).save(path, optimize=True)
+    Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
+        path, optimize=True
+    )
 
 
 def main(parts: list[str]) -> None:

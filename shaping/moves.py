@@ -56,7 +56,8 @@ def min_time_move(
     For n ≤ 3, and wherever only the highest derivative binds (a perfect spline), this is the
     minimum time. For n ≥ 4 with lower bounds active it can miss the minimum: on the 22 problems
     of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from rigorous bounds,
-    by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), in the median by 0.01 %, 0.07 % and 0.7 %.
+    by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6); the medians are 0.01 %, 0.07 % and
+    0.7 %.
 
     Bounds that differ between directions are used exactly for n ≤ 3. For n ≥ 4 the smaller
     magnitude of each pair is used from acceleration upward: feasible, but not the fastest.
