@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import comb, factorial
 from typing import Any
 
@@ -57,14 +58,23 @@ def evaluate(rows: RealArray, tau: RealArray, derivatives: range) -> FloatArray:
     -------
     (len(derivatives), N) array
     """
-    n = len(rows) - 1
-    first, count = derivatives.start, len(derivatives)
-    out: FloatArray = rows[n] * INVERSE_FACTORIALS[n - first - np.arange(count), None]
-    for j in range(n - 1, first - 1, -1):
-        active = min(j - first + 1, count)
-        out[:active] *= tau
-        out[:active] += rows[j] * INVERSE_FACTORIALS[j - first - np.arange(active), None]
+    highest, *lower = _factors(len(rows) - 1, derivatives.start, len(derivatives))
+    out: FloatArray = rows[-1] * highest
+    for row, factors in zip(rows[-2::-1], lower, strict=False):
+        active = out[: len(factors)]
+        active *= tau
+        active += row * factors
     return out
+
+
+@lru_cache(maxsize=256)
+def _factors(n: int, first: int, count: int) -> tuple[FloatArray, ...]:
+    """Return 1/(j − k)! for j = n, n − 1, …, `first`, a column over k = first … min(j, last)."""
+    columns = []
+    for j in range(n, first - 1, -1):
+        k = np.arange(first, min(j + 1, first + count))
+        columns.append(INVERSE_FACTORIALS[j - k][:, None])
+    return tuple(columns)
 
 
 def evaluate_sorted(
