@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .checks import finite, positive
 from .derivatives import derivative_name, derivative_number
+from .evaluation import Evaluator
 from .limits import Limits
-from .pieces import MAX_ORDER, FloatArray, advance, evaluate, evaluate_sorted, extrema
-
-_GATHER_BELOW = 4096  # points up to which looking up every point's piece is the faster way
-_BLOCK = 8192  # points evaluated at a time, so that the work stays in the cache
+from .pieces import FloatArray, advance, evaluate, extrema
+from .trajectory_checks import check_shapes, check_times, finite_array
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -72,12 +71,12 @@ class Trajectory:
         end_state: ArrayLike | None = None,
         coasting: int | None = None,
     ) -> None:
-        times, rows = _finite("breaks", breaks), _finite("states", states)
-        _check_shapes(times, rows)
+        times, rows = finite_array("breaks", breaks), finite_array("states", states)
+        check_shapes(times, rows)
         given = durations is not None
-        lengths = _finite("durations", durations) if given else times[1:] - times[:-1]
-        _check_times(times, lengths, exact=not given)
-        end = _run_out(rows, lengths) if end_state is None else _finite("end_state", end_state)
+        lengths = finite_array("durations", durations) if given else times[1:] - times[:-1]
+        check_times(times, lengths, exact=not given)
+        end = _run_out(rows, lengths) if end_state is None else finite_array("end_state", end_state)
         if end.shape != rows.shape[1:]:
             raise ValueError(
                 f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
@@ -165,7 +164,7 @@ class Trajectory:
         k = derivative_number(derivative)
         if k > self.order:
             return np.zeros(np.shape(t))[()]
-        return np.asarray(self._evaluate(t, range(k, k + 1))[0])[()]
+        return np.asarray(self._evaluator(t, range(k, k + 1))[0])[()]
 
     def evaluate(
         self, t: ArrayLike, highest: int | str | None = None, out: FloatArray | None = None
@@ -188,7 +187,7 @@ class Trajectory:
         k = self.order if highest is None else derivative_number(highest)
         if k > self.order:
             raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
-        return self._evaluate(t, range(k + 1), out)
+        return self._evaluator(t, range(k + 1), out)
 
     def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Sample position and all derivatives at a fixed interval, both ends included.
@@ -368,85 +367,11 @@ class Trajectory:
         return self.from_arrays(breaks, states, self.durations, end_state, self.coasting)
 
     @cached_property
-    def _segments(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Origins (m + 2,), states (n + 1, m + 2) and longest τ, coasting included."""
+    def _evaluator(self) -> Evaluator:
         outside = np.array([self.start_state, self.end_state])
         outside[:, self.coasting + 1 :] = 0.0
-        origins = np.concatenate([self.breaks[:1], self.breaks])
         states = np.vstack([outside[:1], self.states, outside[1:]])
-        longest = np.concatenate([[np.inf], self.durations, [np.inf]])
-        return origins, np.ascontiguousarray(states.T), longest
-
-    def _evaluate(
-        self, t: ArrayLike, derivatives: range, given: FloatArray | None = None
-    ) -> FloatArray:
-        times = np.asarray(t, dtype=float)
-        flat = times.ravel()
-        if not np.isfinite(flat).all():
-            raise ValueError("times must be finite: got NaN or infinity")
-        out = np.empty((len(derivatives), flat.size)) if given is None else given
-        out = out.reshape(len(derivatives), flat.size)
-        if flat.size <= _GATHER_BELOW:
-            self._gather(flat, derivatives, out)
-        elif bool((flat[1:] >= flat[:-1]).all()):
-            self._sweep(flat, derivatives, out)
-        else:
-            for i in range(0, flat.size, _BLOCK):
-                self._gather(flat[i : i + _BLOCK], derivatives, out[:, i : i + _BLOCK])
-        return out.reshape(len(derivatives), *times.shape)
-
-    def _gather(self, t: FloatArray, derivatives: range, out: FloatArray) -> None:
-        """Evaluate by looking up every point's piece."""
-        origins, states, longest = self._segments
-        piece = np.searchsorted(self.breaks, t, side="right")
-        tau = np.minimum(t - origins[piece], longest[piece])
-        out[:] = evaluate(states[:, piece], tau, derivatives)
-
-    def _sweep(self, t: FloatArray, derivatives: range, out: FloatArray) -> None:
-        """Evaluate increasing times, one run of points per piece."""
-        origins, states, longest = self._segments
-        bounds = np.searchsorted(t, self.breaks, side="left")
-        edges = np.concatenate([[0], bounds, [t.size]])
-        for piece in np.flatnonzero(np.diff(edges)):
-            for i in range(edges[piece], edges[piece + 1], _BLOCK):
-                part = slice(i, min(i + _BLOCK, edges[piece + 1]))
-                tau = np.minimum(t[part] - origins[piece], longest[piece])
-                evaluate_sorted(states[:, piece], tau, derivatives, out[:, part])
-
-
-def _finite(name: str, values: ArrayLike | None) -> FloatArray:
-    array = np.array(values, dtype=float)
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {array}")
-    return array
-
-
-def _check_shapes(breaks: FloatArray, states: FloatArray) -> None:
-    if breaks.ndim != 1 or states.ndim != 2 or len(breaks) != len(states) + 1:
-        raise ValueError(
-            f"breaks of shape {breaks.shape} and states of shape {states.shape} do not fit: "
-            "expected (m + 1,) and (m, n + 1)"
-        )
-    if not 2 <= states.shape[1] <= MAX_ORDER + 1:
-        raise ValueError(
-            f"states has {states.shape[1]} columns: expected position and 1 to {MAX_ORDER} "
-            "derivatives"
-        )
-
-
-def _check_times(breaks: FloatArray, durations: FloatArray, *, exact: bool) -> None:
-    if durations.shape != (len(breaks) - 1,):
-        raise ValueError(f"durations has shape {durations.shape}: expected {(len(breaks) - 1,)}")
-    if not (durations > 0).all():
-        raise ValueError(f"every piece must take time: got durations {durations}")
-    if exact or not len(durations):
-        return
-    steps = breaks[1:] - breaks[:-1]
-    rounding = 8.0 * np.finfo(float).eps * np.abs(breaks).max()
-    if (steps < 0.0).any() or not np.abs(steps - durations).max() <= (
-        rounding + 1e-9 * durations.sum()
-    ):
-        raise ValueError(f"durations differ from the differences of breaks: {durations}, {steps}")
+        return Evaluator(self.breaks, states, self.durations)
 
 
 def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:
