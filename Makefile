@@ -10,8 +10,9 @@ survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
 
 test: $(VENV)/.installed-dev
-	$(PYTEST) -m "not slow"
+	$(PYTEST)
 
+# The same tests with many more random problems, and without a fixed seed.
 test-slow: $(VENV)/.installed-dev
 	JOUNCE_TIER=slow $(PYTEST)
 

@@ -102,10 +102,8 @@ class JerkFilter:
 
     def steady_state(self, trajectory: Trajectory, derivative: int = 0) -> FloatArray:
         """Return z, shape (m,), after derivative k of a trajectory has coasted in for ever."""
-        level, slope = (
-            trajectory.start_state[k] if k <= trajectory.coasting else 0.0
-            for k in (derivative, derivative + 1)
-        )
+        coasting = (*trajectory.coasting_in(), 0.0)
+        level, slope = coasting[derivative : derivative + 2] if derivative < 2 else (0.0, 0.0)
         return np.asarray(level - slope * np.arange(1, self.order + 1) / self.omega)
 
     def respond(
@@ -139,22 +137,23 @@ class JerkFilter:
         if duration is None:
             duration = trajectory.duration + self.settling_time(1e-6)
         time = grid(trajectory.start_time, positive("duration", duration), dt)
-        start = float(trajectory.start_state[0])
-        trajectory = trajectory.shift(-start)
+        start, drift = trajectory.coasting_in()
+        trajectory = trajectory.relative_to_coasting()
         a, b = self.state_space()
         slow = self.omega * trajectory.duration < _SLOW
         direct = 0 if slow else min(self.order, trajectory.lowest_jump())
         states = np.empty((self.order + 1, time.size))
         for k in range(direct + 1):
-            initial = self.steady_state(trajectory, k)
-            lags = propagate(a, b, [k], trajectory, dt, time.size, initial)
+            lags = propagate(a, b, [k], trajectory, dt, time.size, np.zeros(self.order))
             states[k] = lags[-1]
         chain = np.empty((self.order + 1, time.size))
         chain[1:] = lags
         chain[0] = inputs_on_grid(trajectory, time, dt, np.empty((direct + 1, time.size)))[direct]
         for k in range(1, self.order + 1 - direct):
             states[direct + k] = self._difference(chain, k)
-        states[0] += start
+        # the steady response to the motion that coasted in
+        states[0] += start + drift * (time - time[0] - self.order / self.omega)
+        states[1] += drift
         return FilterResponse(time, states)
 
     def _difference(self, chain: FloatArray, k: int) -> FloatArray:

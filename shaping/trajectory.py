@@ -240,6 +240,21 @@ class Trajectory:
             excess = max(excess, high / upper - 1.0, low / lower - 1.0)
         return excess
 
+    def coasting_in(self) -> tuple[float, float]:
+        """Return position and velocity of the motion that coasts in, at the start."""
+        position = float(self.start_state[0]) if self.coasting >= 0 else 0.0
+        return position, float(self.start_state[1]) if self.coasting >= 1 else 0.0
+
+    def relative_to_coasting(self) -> Trajectory:
+        """Return the same motion as seen from one that goes on as it coasted in."""
+        position, velocity = self.coasting_in()
+        states, end = self.states.copy(), self.end_state.copy()
+        states[:, 0] -= position + velocity * (self.breaks[:-1] - self.start_time)
+        end[0] -= position + velocity * self.duration
+        states[:, 1] -= velocity
+        end[1] -= velocity
+        return Trajectory.from_arrays(self.breaks, states, self.durations, end, self.coasting)
+
     def lowest_jump(self) -> int:
         """Return the lowest derivative that jumps, at a break, the start or the end.
 
