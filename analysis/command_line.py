@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,6 +28,8 @@ def main() -> None:
     """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
     from .survey import UnstableLoopError
 
+    if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
+        sys.stdout.reconfigure(errors="replace")
     try:
         app()
     except UnstableLoopError as error:
@@ -54,8 +58,7 @@ def survey_command(
     found = survey(scenario)
     files = write_survey(found, output)
     _print(found.scenario.title, *survey_tables(found))
-    for finding in found.findings:
-        _print(f"[yellow]{finding}[/]")
+    _print(*found.findings)
     _print(f"Wrote {', '.join(path.name for path in files)} to {output}")
 
 
@@ -117,25 +120,30 @@ def _limit(text: str) -> tuple[int, str]:
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
-    from .output import save_figure, write_file, write_rows
+    from .output import check_picture, save_figure, write_files, write_rows
     from .report import switch_rows
 
+    writers: dict[Path, Callable[[Path], object]] = {}
     if csv is not None:
         header, rows = switch_rows(plan)
-        write_file(csv, lambda draft: write_rows(draft, header, rows))
+        writers[csv] = lambda draft: write_rows(draft, header, rows)
     if plot is not None:
+        check_picture(plot)
         from .plots import plot_trajectory
 
         figure = plot_trajectory(plan.trajectory, unit=plan.unit, scale=plan.scale)
-        write_file(plot, lambda draft: save_figure(figure, draft))
+        writers[plot] = lambda draft: save_figure(figure, draft)
+    write_files(writers)
 
 
 def _print(*parts: object) -> None:
+    """Print tables and plain text, text as it is: no markup, no emoji, no wrapping."""
     from rich.console import Console
 
-    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    terminal = sys.stdout.isatty()
+    console = Console(width=None if terminal else 160, highlight=False, markup=False, emoji=False)
     for part in parts:
-        console.print(part)
+        console.print(part, soft_wrap=isinstance(part, str))
 
 
 def _fail(error: Exception, status: int) -> None:

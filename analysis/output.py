@@ -8,21 +8,32 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from errno import EISDIR
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .report import survey_data
+from .sampling import thinned
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .survey import MoveSurvey, Survey
 
+PICTURES: dict[str, dict[str, None]] = {
+    ".png": {},
+    ".pdf": {"CreationDate": None},
+    ".svg": {"Date": None},
+}
+"""Kinds of picture by suffix, each with what keeps the date out of it."""
+
 _DPI = 100
+_CSV_ROWS = 4_000
+_LONGEST_NAME = 40
 
 
 def write_survey(survey: Survey, folder: Path) -> list[Path]:
@@ -37,7 +48,8 @@ def write_survey(survey: Survey, folder: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        The files: survey.json, survey.png, survey.pdf, step.csv, one move_*.csv per move.
+        The files: survey.json, survey.png, survey.pdf, step.csv, one move_*.csv per move (each
+        with at most 4000 of the samples that the figures in survey.json are taken from).
 
     Raises
     ------
@@ -67,38 +79,83 @@ def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[float]
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Save a figure without the date, so that the same input gives the same file."""
-    metadata = {"CreationDate": None} if path.suffix == ".pdf" else None
-    figure.savefig(path, dpi=_DPI, metadata=metadata)
+    """Save a figure as PICTURES says, without the date: the same input gives the same file."""
+    from matplotlib import rc_context
+
+    undated = PICTURES[path.suffix.lower()]
+    with rc_context({"svg.hashsalt": "jounce"}):
+        figure.savefig(path, dpi=_DPI, metadata=undated)
 
 
-def write_file(path: Path, write: Callable[[Path], None]) -> None:
-    """Call write(draft) with a draft beside `path`, then move it into place."""
-    descriptor, name = tempfile.mkstemp(prefix=".draft-", suffix=path.suffix, dir=path.parent)
+def check_picture(path: Path) -> None:
+    """Refuse a file name whose suffix is not one of PICTURES."""
+    if path.suffix.lower() not in PICTURES:
+        raise ValueError(f"{path}: expected a file name that ends in {', '.join(PICTURES)}")
+
+
+def write_file(path: Path, write: Callable[[Path], object]) -> None:
+    """Write one file; see `write_files`."""
+    write_files({path: write})
+
+
+def write_files(writers: Mapping[Path, Callable[[Path], object]]) -> None:
+    """Write several files, or none.
+
+    Parameters
+    ----------
+    writers : mapping of Path to callable
+        What writes each file, given the path of a draft beside it.
+
+    Raises
+    ------
+    OSError
+        Where a file cannot be written, naming it. No file has changed then.
+    """
+    drafts: dict[Path, Path] = {}
+    try:
+        for path, write in writers.items():
+            drafts[path] = _draft(path)
+            write(drafts[path])
+        for path, draft in drafts.items():
+            draft.replace(path)
+    finally:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+
+
+def _draft(path: Path) -> Path:
+    """Return a new, empty file beside a path that can be replaced."""
+    if path.is_dir():
+        raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(path))
+    try:
+        descriptor, name = tempfile.mkstemp(prefix=".draft-", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(path)) from None
     os.close(descriptor)
     draft = Path(name)
-    try:
-        write(draft)
-        draft.chmod(0o644)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    draft.chmod(0o644)
+    return draft
 
 
 @contextmanager
 def _all_or_nothing(folder: Path) -> Iterator[Path]:
     """Yield an empty draft folder whose files move into `folder` once all are written."""
-    made = not folder.exists()
+    made = [p for p in (folder, *folder.parents) if not p.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder))
     try:
         yield draft
-        for path in sorted(draft.iterdir()):
+        files = sorted(draft.iterdir())
+        for path in files:
+            if (folder / path.name).is_dir():
+                raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(folder / path.name))
+        for path in files:
             path.replace(folder / path.name)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-        if made and not any(folder.iterdir()):
-            folder.rmdir()
+        for parent in made:
+            if not any(parent.iterdir()):
+                parent.rmdir()
 
 
 def _write_move(survey: Survey, move: MoveSurvey, path: Path) -> None:
@@ -119,10 +176,11 @@ def _write_move(survey: Survey, move: MoveSurvey, path: Path) -> None:
 
 
 def _write_csv(path: Path, header: Sequence[str], columns: Sequence[np.ndarray]) -> None:
-    write_rows(path, header, np.column_stack(columns).tolist())
+    write_rows(path, header, np.column_stack(thinned(tuple(columns), _CSV_ROWS)).tolist())
 
 
 def _slug(name: str) -> str:
     """Return a name fit for a file or a column: lower case, words joined by underscores."""
     words = name.replace("Ĵ", "j_hat").replace("+", "plus ").replace("-", "minus ")
-    return re.sub(r"\W+", "_", words.replace("%", "percent").lower()).strip("_") or "unnamed"
+    slug = re.sub(r"\W+", "_", words.replace("%", "percent").lower())
+    return slug[:_LONGEST_NAME].strip("_") or "unnamed"

@@ -80,7 +80,12 @@ def plan_move(
     if rise_time is not None or order is not None:
         n, bound = _from_rise_time(rise_time, order, values)
         values[n] = bound
-    highest = max(values, default=0)
+    if not values:
+        raise ValueError(
+            "no limit is given: bound at least one derivative, "
+            f"such as --acceleration {motion_kind(motion, 2).example!r}"
+        )
+    highest = max(values)
     limits = Limits.from_bounds(values.get(k, inf) for k in range(1, highest + 1))
     return Plan(min_time_move(length, limits, start=origin), limits, unit_of(distance))
 
@@ -123,6 +128,10 @@ def _from_rise_time(
         raise ValueError(
             "a rise time needs the order of the derivative to be bounded and one acceleration "
             "limit: give acceleration, rise time and order together"
+        )
+    if order < 3:
+        raise ValueError(
+            f"order = {order}: a rise time of the acceleration bounds derivative 3 (jerk) or more"
         )
     if order in values:
         raise ValueError(

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..shaping.pieces import FloatArray
-    from .survey import MoveSurvey, StepResponse, Survey
+    from .step import StepResponse
+    from .survey import MoveSurvey, Survey
 
 _BLUE, _ORANGE, _GREEN, _RED, _GREY = "#0b5394", "#e07b00", "#2e7d32", "#b3261e", "#666666"
 _CURVE_POINTS = 400  # per piece-wise or frequency curve: smooth at any size of paper
@@ -42,7 +43,7 @@ def plot_survey(survey: Survey) -> Figure:
     )
     for ax, (draw, subject) in zip(axes.flat, panels, strict=True):
         draw(*(subject if isinstance(subject, tuple) else (subject,)), ax=ax)
-    figure.suptitle(survey.scenario.title, fontsize=15, y=0.985)
+    figure.suptitle(_plain(survey.scenario.title), fontsize=15, y=0.985)
     margins = survey.margins
     subtitle = (
         f"crossover {margins.crossover_hz:.4g} Hz,  phase margin {margins.phase_margin_deg:.4g}°,  "
@@ -224,7 +225,7 @@ def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
             color=color,
             label=label,
         )
-        ax.margins(y=0.3)
+        _make_room(ax, below=0.4)
     ax.legend(loc="lower right")
     return _finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
 
@@ -244,7 +245,7 @@ def plot_wrong_inertia(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
         )
     for side in (-1.0, 1.0):
         ax.axhline(side * move.move.settle_to / scale, color=_GREY, linestyle=":", linewidth=1.0)
-    ax.margins(y=0.35)
+    _make_room(ax, above=0.55)
     ax.legend(
         loc="upper right", title=f"right Ĵ settles at {move.configured.settling_time_s:.3g} s"
     )
@@ -270,9 +271,8 @@ def plot_trajectory(
     panels = figure.subplots(rows, 1, sharex=True)
     time = _curve_times(trajectory)
     for k, ax in enumerate(panels):
-        label = unit if k == 0 else f"{unit}/{time_unit}{_superscript(k)}"
         ax.plot(time, trajectory(time, k) / scale, color=_BLUE)
-        ax.set_ylabel(f"{derivative_name(k)}\n[{label}]")
+        ax.set_ylabel(derivative_name(k) + _unit_label(unit, time_unit, k))
         ax.grid(alpha=0.3)
         for switch in trajectory.switch_times:
             ax.axvline(switch, color=_GREY, linewidth=0.5, linestyle=":")
@@ -294,8 +294,21 @@ def _curve_times(trajectory: Trajectory) -> FloatArray:
     return np.concatenate([*inside, trajectory.breaks[-1:]])
 
 
+def _unit_label(unit: str, time_unit: str, k: int) -> str:
+    if not unit:
+        return ""
+    return f"\n[{unit}]" if k == 0 else f"\n[{unit}/{time_unit}{_superscript(k)}]"
+
+
 def _superscript(k: int) -> str:
     return "" if k == 1 else str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _make_room(ax: Axes, *, above: float = 0.05, below: float = 0.05) -> None:
+    """Widen the y axis by parts of its span, so that a legend hides no curve."""
+    low, high = ax.dataLim.intervaly
+    span = (high - low) or 1.0
+    ax.set_ylim(low - below * span, high + above * span)
 
 
 def _until_settled(move: MoveSurvey, time: FloatArray) -> slice:
@@ -325,12 +338,17 @@ def _phase_deg(values: Any) -> FloatArray:
     return np.asarray(phase - 360.0 * np.ceil(phase[-1] / 360.0))
 
 
+def _plain(text: str) -> str:
+    """Return text as it is to matplotlib, which takes what stands between $ for mathematics."""
+    return text.replace("$", r"\$")
+
+
 def _decibels(value: float) -> str:
     return f"{value:.4g} dB" if isfinite(value) else "any amount"
 
 
 def _finish(ax: Axes, title: str, xlabel: str, ylabel: str) -> Axes:
-    ax.set_title(title, fontsize=11)
+    ax.set_title(_plain(title), fontsize=11)
     ax.set_xlabel(xlabel)
     ax.set_ylabel(ylabel)
     ax.grid(alpha=0.3)

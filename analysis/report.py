@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
 
 from ..shaping.derivatives import derivative_name
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from .plan import Plan
     from .survey import MoveSurvey, Survey
 
@@ -79,7 +81,7 @@ def _peaks_table(plan: Plan) -> Table:
         limit = f"{upper:.9g}" if upper == -lower else f"{lower:.9g} … {upper:.9g}"
         table.add_row(
             derivative_name(k),
-            f"{move.peak(k) / plan.scale:.9g}",
+            f"{move.peak(k) / plan.scale + 0.0:.9g}",
             "none" if upper == inf and lower == -inf else limit,
             f"{unit}/s" if k == 1 else f"{unit}/s^{k}",
         )
@@ -161,7 +163,7 @@ def _margins_table(survey: Survey) -> Table:
 def _design_table(survey: Survey) -> Table:
     table = _table("Design check", "", "asked", "achieved", "")
     for check in survey.checks:
-        verdict = "[green]met[/]" if check.met else "[red]missed[/]"
+        verdict = Text("met", "green") if check.met else Text("missed", "red")
         table.add_row(
             check.name, f"{check.asked:.4g} {check.unit}", f"{check.shown} {check.unit}", verdict
         )
@@ -191,7 +193,8 @@ def _moves_table(survey: Survey) -> Table:
     )
     for move in survey.moves:
         settle_to = f"settled to {move.move.settle_to / scale:.4g} {unit}"
-        table.add_row(f"[bold]{move.name}[/] ({settle_to})", f"{move.duration_s:.4f}", "", "", "")
+        name = Text.assemble((move.name, "bold"), f" ({settle_to})")
+        table.add_row(name, f"{move.duration_s:.4f}", "", "", "")
         for result in move.responses.values():
             table.add_row(
                 f"  {result.name}",
@@ -228,10 +231,9 @@ def _torque_unit(survey: Survey) -> str:
 
 
 def _table(title: str, *columns: str) -> Table:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     for i, column in enumerate(columns):
-        table.add_column(column, justify="left" if i == 0 else "right")
+        # Text, lest rich take a unit in brackets for its markup; folded, lest it cut digits off
+        justify: Literal["left", "right"] = "left" if i == 0 else "right"
+        table.add_column(Text(column), justify=justify, overflow="fold")
     return table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import log
 from pathlib import Path
@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..plant import (
     PID,
@@ -19,19 +20,18 @@ from ..plant import (
     ServoLoop,
     design_pid,
     printed_pid,
-    respond,
 )
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ..shaping.pieces import FloatArray
-from ..shaping.trajectory import point
 from .margins import LoopMargins, loop_margins
+from .sampling import Clock, clock_for, followed, thinned
 from .scenario import Gains, Move, Scenario, load_scenario
+from .step import KEPT, StepResponse, step_response
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_SAMPLES = 4000  # per response: settling times then err by less than 1e-6 of the horizon
-_STEP_DECAY = 1e-5  # the step is followed until its slowest mode has died away to this
+Poles = NDArray[np.complex128]
 
 
 class UnstableLoopError(ValueError):
@@ -56,21 +56,6 @@ class SpecificationCheck:
     def met(self) -> bool:
         """Whether the two agree to 0.1 %."""
         return abs(self.achieved - self.asked) <= 1e-3 * abs(self.asked)
-
-
-@dataclass(frozen=True, eq=False)
-class StepResponse:
-    """Response of the closed loop, without feedforward, to a unit step of the command.
-
-    `rise_time_s` is from 10 to 90 %, `settling_time_s` to ±2 %.
-    """
-
-    time: FloatArray
-    position: FloatArray
-    overshoot_percent: float
-    peak_time_s: float
-    rise_time_s: float
-    settling_time_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,15 +170,15 @@ def survey(scenario: Scenario | str | Path) -> Survey:
         )
     behind = scenario.filter
     jerk_filter = None if behind is None else JerkFilter(behind.corner_hz, behind.order)
-    slowest = -max(pole.real for pole in margins.closed_loop_poles)
+    poles = margins.closed_loop_poles
     return Survey(
         scenario,
         loop,
         jerk_filter,
         margins,
         _specification_checks(scenario, margins),
-        _step(ServoLoop(loop.plant, loop.controller), slowest),
-        tuple(_move(scenario, loop, jerk_filter, move, slowest) for move in scenario.moves),
+        step_response(loop, poles),
+        tuple(_move(scenario, loop, jerk_filter, move, poles) for move in scenario.moves),
     )
 
 
@@ -227,77 +212,64 @@ def _specification_checks(
     )
 
 
-def _step(loop: ServoLoop, slowest: float) -> StepResponse:
-    """Follow a unit step until the slowest mode, of decay rate `slowest`, has died away."""
-    duration = -log(_STEP_DECAY) / slowest
-    response = respond(loop.closed_loop(), point(1.0, 1), duration / _SAMPLES, duration=duration)
-    time, position = np.asarray(response.time), np.asarray(response.outputs)
-    peak_time, peak = _vertex(time, position)
-    outside = np.flatnonzero(np.abs(position - 1.0) > 0.02)
-    return StepResponse(
-        time,
-        position,
-        overshoot_percent=100.0 * max(peak - 1.0, 0.0),
-        peak_time_s=peak_time,
-        rise_time_s=_first_reach(time, position, 0.9) - _first_reach(time, position, 0.1),
-        settling_time_s=float(time[min(outside[-1] + 1, time.size - 1)]) if outside.size else 0.0,
-    )
-
-
-def _vertex(time: FloatArray, values: FloatArray) -> tuple[float, float]:
-    """Return time and value of the maximum, from the parabola through its three samples."""
-    k = int(values.argmax())
-    if not 0 < k < values.size - 1:
-        return float(time[k]), float(values[k])
-    before, here, after = values[k - 1 : k + 2]
-    offset = 0.5 * (before - after) / (before - 2.0 * here + after)
-    step = time[1] - time[0]
-    return float(time[k] + offset * step), float(here - 0.25 * (before - after) * offset)
-
-
-def _first_reach(time: FloatArray, values: FloatArray, level: float) -> float:
-    """Return when a response that starts below a level first reaches it."""
-    k = int(np.argmax(values >= level))
-    fraction = (level - values[k - 1]) / (values[k] - values[k - 1])
-    return float(time[k - 1] + fraction * (time[k] - time[k - 1]))
-
-
 def _move(
-    scenario: Scenario,
-    loop: ServoLoop,
-    jerk_filter: JerkFilter | None,
-    move: Move,
-    slowest: float,
+    scenario: Scenario, loop: ServoLoop, jerk_filter: JerkFilter | None, move: Move, poles: Poles
 ) -> MoveSurvey:
-    trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds))
-    tolerance = move.settle_to / abs(move.distance)
-    horizon = trajectory.duration + -log(0.01 * tolerance) / slowest
-    if jerk_filter is not None:
-        horizon += jerk_filter.settling_time(0.01 * tolerance)
+    try:
+        trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds))
+        clock = _move_clock(trajectory, jerk_filter, move, poles)
+        responses = {}
+        for name, feedforward in _variants(scenario).items():
+            varied = ServoLoop(loop.plant, loop.controller, feedforward)
+
+            def respond(dt: float, duration: float, loop: ServoLoop = varied) -> LoopResponse:
+                return loop.respond(trajectory, dt, duration=duration, jerk_filter=jerk_filter)
+
+            responses[name] = _follow(name, respond, clock, move)
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: move {move.name!r}: {error}") from None
+    return MoveSurvey(move.name, move, trajectory, MappingProxyType(responses))
+
+
+def _variants(scenario: Scenario) -> dict[str, InertiaFeedforward]:
+    """Return the feedforwards that are compared, by name."""
     j_hat, error = scenario.feedforward_inertia, scenario.inertia_error
-    variants = {
+    inertias = {
         "without feedforward": 0.0,
         "with feedforward": j_hat,
         f"Ĵ {100 * error:+.4g} %": j_hat * (1.0 + error),
         f"Ĵ {-100 * error:+.4g} %": j_hat * (1.0 - error),
     }
-    responses = {}
-    for name, inertia in variants.items():
-        varied = ServoLoop(loop.plant, loop.controller, InertiaFeedforward(inertia))
-        response = varied.respond(
-            trajectory, horizon / _SAMPLES, duration=horizon, jerk_filter=jerk_filter
-        )
-        responses[name] = _figures(name, response, move)
-    return MoveSurvey(move.name, move, trajectory, MappingProxyType(responses))
+    return {name: InertiaFeedforward(inertia) for name, inertia in inertias.items()}
 
 
-def _figures(name: str, response: LoopResponse, move: Move) -> MoveResponse:
-    beyond = (response.position - move.distance) * np.sign(move.distance)
+def _move_clock(
+    trajectory: Trajectory, jerk_filter: JerkFilter | None, move: Move, poles: Poles
+) -> Clock:
+    """Return how to sample a move: until every mode is 1e-2 of the settling tolerance."""
+    decay = log(100.0 * abs(move.distance) / move.settle_to)
+    lead = trajectory.duration
+    if jerk_filter is not None:
+        lead += jerk_filter.settling_time(0.01 * move.settle_to / abs(move.distance))
+        poles = np.append(poles, -jerk_filter.omega)
+    return clock_for(poles, decay, lead=lead, quickest=trajectory.duration / 20.0)
+
+
+def _follow(
+    name: str, respond: Callable[[float, float], LoopResponse], clock: Clock, move: Move
+) -> MoveResponse:
+    def arrays(dt: float, duration: float) -> tuple[FloatArray, ...]:
+        response = respond(dt, duration)
+        return response.time, response.inputs, response.outputs, response.states
+
+    samples = followed(arrays, clock)
+    full = LoopResponse(*samples)
+    beyond = (full.position - move.distance) * np.sign(move.distance)
     return MoveResponse(
         name,
-        response,
-        settling_time_s=response.settling_time(move.distance, move.settle_to),
-        peak_error=float(np.abs(response.error).max()),
-        peak_torque=float(np.abs(response.torque).max()),
+        LoopResponse(*thinned(samples, KEPT)),
+        settling_time_s=full.settling_time(move.distance, move.settle_to),
+        peak_error=float(np.abs(full.error).max()),
+        peak_torque=float(np.abs(full.torque).max()),
         overshoot=max(float(beyond.max()), 0.0),
     )

@@ -225,7 +225,7 @@ class Trajectory:
     def peak(self, derivative: int | str) -> float:
         """Return the exact largest magnitude of a derivative, from the polynomials' extrema."""
         low, high = self.extremes(derivative)
-        return max(-low, high, 0.0)
+        return max(0.0, high, -low)
 
     def violation(self, limits: Limits) -> float:
         """Return the largest relative excess over the limits, 0.0 where all are kept.
