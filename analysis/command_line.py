@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from difflib import get_close_matches
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -62,8 +63,10 @@ def survey_command(
     _print(f"Wrote {', '.join(path.name for path in files)} to {output}")
 
 
-@app.command("plan", context_settings={"ignore_unknown_options": True})
+# Without ignore_unknown_options a negative distance would pass for an option.
+@app.command("plan", context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 def plan_command(
+    context: typer.Context,
     distance: Annotated[str, typer.Argument(help='Such as "60 arcsec" or "-2 mm".')],
     velocity: Annotated[str | None, typer.Option(help='Such as "1 deg/s".')] = None,
     acceleration: Annotated[
@@ -95,6 +98,7 @@ def plan_command(
     from .plan import plan_move
     from .report import plan_tables
 
+    _refuse_extra([distance, *context.args])
     named = (velocity, acceleration, jerk, snap, crackle, pop)
     bounds = {k: text for k, text in enumerate(named, start=1) if text is not None}
     for text in limit or ():
@@ -108,6 +112,21 @@ def plan_command(
     for path in (csv, plot):
         if path is not None:
             _print(f"Wrote {path}")
+
+
+def _refuse_extra(words: list[str]) -> None:
+    """Refuse all words but the first, and the first where it is a misspelt option."""
+    unknown = next((word for word in words if word.startswith("--")), None)
+    if unknown is not None:
+        known = [f"--{name.replace('_', '-')}" for name in plan_command.__annotations__]
+        near = get_close_matches(unknown, known, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise ValueError(f"unknown option {unknown}: {hint}See jounce plan --help")
+    if len(words) > 1:
+        raise ValueError(
+            f"unexpected {words[1]!r} behind the distance {words[0]!r}: write each quantity in "
+            'quotation marks, such as "60 arcsec"'
+        )
 
 
 def _limit(text: str) -> tuple[int, str]:

@@ -115,8 +115,8 @@ def _move_data(move: MoveSurvey, scale: float) -> dict[str, Any]:
     configured = move.configured
     return {
         "name": move.name,
-        "distance": move.move.distance / scale,
-        "settle_to": move.move.settle_to / scale,
+        "distance": _as_written(move.move.distance / scale),
+        "settle_to": _as_written(move.move.settle_to / scale),
         "order": move.trajectory.order,
         "duration_s": move.duration_s,
         "switch_times_s": [float(time) for time in move.trajectory.switch_times],
@@ -220,6 +220,11 @@ def _shown(value: float, unit: str, digits: int = 5) -> str:
     if isfinite(value):
         return f"{value:.{digits}g} {unit}".strip()
     return "none" if value > 0 else "—"
+
+
+def _as_written(value: float) -> float:
+    """Return a value from the scenario without the rounding of its conversion to SI and back."""
+    return float(f"{value:.14g}")
 
 
 def _number(value: float) -> float | None:

@@ -24,6 +24,7 @@ from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
 from .trajectory import Trajectory
 
 _BLOCK = 256  # samples found by one matrix product
+_POWERS = 2**18  # entries of their powers, which for large systems shortens the blocks
 _PRODUCT = 2**17  # multiplications at a time: larger products start threads, which cost more here
 _SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
 _ON_GRID = 1e-13  # a break this near to a sample, relative to its index, lies on it
@@ -126,7 +127,7 @@ def propagate(
     check_fed(trajectory, derivatives)
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
-    powers = system.powers(min(max(isqrt(count), 1), _BLOCK))
+    powers = system.powers(min(max(isqrt(count), 1), _BLOCK, _POWERS // system.generator.size + 1))
     if out is None:
         out = np.empty((len(a), count))
     out[:, 0] = initial
