@@ -73,4 +73,4 @@ def followed(
 def thinned(arrays: tuple[FloatArray, ...], most: int) -> tuple[Any, ...]:
     """Return at most so many samples of arrays with time last, equally far apart by number."""
     stride = -(-arrays[0].shape[-1] // most)
-    return tuple(array[..., ::stride] for array in arrays)
+    return arrays if stride == 1 else tuple(array[..., ::stride].copy() for array in arrays)

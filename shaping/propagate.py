@@ -56,10 +56,9 @@ def inputs_on_grid(
     A sample that falls on a break, but for rounding, has the value just after it, as in
     `propagate`.
     """
-    breaks = (trajectory.breaks - trajectory.start_time) / dt
-    at = np.round(breaks)
-    on_grid = (np.abs(breaks - at) <= _ON_GRID * np.maximum(at, 1.0)) & (at < time.size)
-    samples = at[on_grid].astype(int)
+    breaks, on_grid = _breaks_on_grid(trajectory, dt)
+    on_grid &= breaks < time.size
+    samples = breaks[on_grid].astype(int)
     kept = time[samples]
     time[samples] = trajectory.breaks[on_grid]
     trajectory.evaluate(time, len(out) - 1, out)
@@ -67,10 +66,16 @@ def inputs_on_grid(
     return out
 
 
-def product(left: FloatArray, right: FloatArray, out: FloatArray | None = None) -> FloatArray:
-    """Return left @ right, a slim matrix product, in parts too small to be worth threads."""
-    if out is None:
-        out = np.empty((left.shape[0], right.shape[1]))
+def _breaks_on_grid(trajectory: Trajectory, dt: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the breaks in units of dt, and which of them are whole (and then exactly so)."""
+    breaks = (trajectory.breaks - trajectory.start_time) / dt
+    whole = np.round(breaks)
+    on_grid = np.abs(breaks - whole) <= _ON_GRID * np.maximum(whole, 1.0)
+    return np.where(on_grid, whole, breaks), on_grid
+
+
+def product(left: FloatArray, right: FloatArray, out: FloatArray) -> FloatArray:
+    """Put left @ right into `out`: a slim product, in parts too small to be worth threads."""
     by_rows = left.shape[0] > right.shape[1]
     part = max(_PRODUCT // max(left.shape[1] * min(out.shape), 1), 1)
     for i in range(0, max(out.shape), part):
@@ -152,10 +157,8 @@ class _Pieces:
         end[trajectory.coasting + 1 :] = 0.0
         states = np.vstack([trajectory.states, end])
         scale = dt ** np.arange(trajectory.order + 1.0)
-        starts = (trajectory.breaks - trajectory.start_time) / dt
-        whole = np.round(starts)
-        near = np.abs(starts - whole) <= _ON_GRID * np.maximum(whole, 1.0)
-        return cls(np.where(near, whole, starts), (states * scale).T)
+        starts, _ = _breaks_on_grid(trajectory, dt)
+        return cls(starts, (states * scale).T)
 
     def runs(self, count: int, block: int) -> Iterator[tuple[int, int, int, FloatArray]]:
         """Yield, for each piece with samples, its number, its first sample and the next piece's.
