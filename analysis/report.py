@@ -51,7 +51,7 @@ def survey_data(survey: Survey) -> dict[str, Any]:
                 "name": check.name,
                 "unit": check.unit,
                 "asked": check.asked,
-                "achieved": check.achieved,
+                "achieved": _number(check.achieved),
                 "met": check.met,
             }
             for check in survey.checks

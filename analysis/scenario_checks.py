@@ -24,7 +24,7 @@ from .units import (
     show,
 )
 
-HIGHEST_DERIVATIVE = 20
+HIGHEST_DERIVATIVE = 14
 HIGHEST_FILTER_ORDER = 50
 
 LIMIT_KEYS = DERIVATIVE_NAMES[1:] + tuple(

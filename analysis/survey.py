@@ -159,8 +159,12 @@ def survey(scenario: Scenario | str | Path) -> Survey:
     """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
-    plant = Inertia(scenario.inertia)
-    loop = ServoLoop(plant, _controller(scenario), InertiaFeedforward(scenario.feedforward_inertia))
+    try:
+        controller = _controller(scenario)
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
+    plant, feedforward = Inertia(scenario.inertia), InertiaFeedforward(scenario.feedforward_inertia)
+    loop = ServoLoop(plant, controller, feedforward)
     margins = loop_margins(loop.loop_transfer())
     if not margins.stable:
         worst = max(margins.closed_loop_poles, key=lambda pole: pole.real)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     import control
 
 
+_MOST_DB = 300.0  # beyond, the integral gain is nothing but rounding
+
+
 @dataclass(frozen=True)
 class PID:
     """Ideal PID controller, u = kp·e + ki·∫e dt + kr·ė.
@@ -126,7 +129,11 @@ def design_pid(
             f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
             "between 0 and 90 deg (both excluded)"
         )
-    factor = 10.0 ** (finite("lower_gain_margin_db", lower_gain_margin_db) / 20.0)
+    if not abs(finite("lower_gain_margin_db", lower_gain_margin_db)) <= _MOST_DB:
+        raise ValueError(
+            f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected at most {_MOST_DB:g} dB"
+        )
+    factor = 10.0 ** (lower_gain_margin_db / 20.0)
     if factor <= cos(phase):
         raise ValueError(
             f"lower_gain_margin_db = {lower_gain_margin_db!r} contradicts a phase margin of "

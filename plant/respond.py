@@ -46,8 +46,8 @@ def respond(
     derivatives : sequence of k int or str, optional
         Which derivative of the trajectory feeds input i, by number or name.
     duration : float, optional
-        Length of the grid, which begins at the trajectory's start. Default: the trajectory's
-        duration.
+        Length of the grid, which begins at the trajectory's start and ends at the last multiple
+        of dt within it. Default: the trajectory's duration.
     initial_state : (n,) array, optional
         State at the start. Default: zero.
 

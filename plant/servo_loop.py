@@ -11,7 +11,7 @@ import numpy as np
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray
-from ..shaping.propagate import check_fed
+from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
 from .inertia import Inertia
 from .pid import PID
@@ -104,6 +104,15 @@ class ServoLoop:
     controller: PID
     feedforward: InertiaFeedforward | None = None
 
+    def __post_init__(self) -> None:
+        for name, block, kind in (
+            ("plant", self.plant, Inertia),
+            ("controller", self.controller, PID),
+            ("feedforward", self._feedforward, InertiaFeedforward),
+        ):
+            if not isinstance(block, kind):
+                raise TypeError(f"{name} = {block!r}: expected {kind.__name__}")
+
     def loop_transfer(self) -> control.TransferFunction:
         """Return L(s) = g·k, the open loop from e to y."""
         loop = self.plant.transfer() * self.controller.transfer()
@@ -122,7 +131,7 @@ class ServoLoop:
 
     @property
     def _feedforward(self) -> InertiaFeedforward:
-        return self.feedforward or InertiaFeedforward(0.0)
+        return InertiaFeedforward(0.0) if self.feedforward is None else self.feedforward
 
     @cached_property
     def _interconnection(self) -> control.StateSpace:
@@ -165,11 +174,13 @@ class ServoLoop:
         Parameters
         ----------
         trajectory : Trajectory
-            Of order 2 or more. The loop starts at rest at the trajectory's start.
+            Of order 2 or more, or of any order behind a jerk filter that is high enough. The
+            loop starts at rest at the trajectory's start.
         dt : float
             Spacing of the time grid; its choice does not change the values.
         duration : float, optional
-            Length of the grid. Default: the trajectory's duration.
+            Length of the grid, which ends at the last multiple of dt within it. Default: the
+            trajectory's duration.
         jerk_filter : JerkFilter, optional
             Put between the trajectory and the loop.
 
@@ -183,45 +194,64 @@ class ServoLoop:
             For a trajectory of order 1 (its acceleration is a train of impulses: bound the
             acceleration), or a dt or duration that is not positive.
         """
-        check_fed(trajectory, (0, 1, 2))
+        if jerk_filter is None:
+            check_fed(trajectory, (0, 1, 2))
         start = float(trajectory.start_state[0])
         moved = trajectory.shift(-start)
-        loop, initial = self.system(), np.zeros(self.system().nstates)
+        system, fed, initial, behind = self.system(), 3, np.zeros(self.system().nstates), None
         if jerk_filter is not None:
-            loop, initial = _behind_filter(loop, jerk_filter, moved)
+            behind = _filter_outputs(jerk_filter, moved)
+            system, fed, initial = _behind_filter(system, jerk_filter, moved, behind)
         time, states, inputs, outputs = respond_on_grid(
-            loop, (0, 1, 2), moved, positive("dt", dt), duration, initial
+            system, range(fed), moved, positive("dt", dt), duration, initial
         )
-        if jerk_filter is not None:
-            lags = 3 * jerk_filter.order
-            inputs = states[jerk_filter.order - 1 : lags : jerk_filter.order]
-            states = states[lags:]
+        if behind is not None:
+            inputs = product(behind, states[: behind.shape[1]], np.empty((3, time.size)))
+            states = states[behind.shape[1] :]
         for row in (outputs[0], states[0], inputs[0]):
             row += start
         return LoopResponse(time, inputs, outputs, states)
 
 
+def _filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArray:
+    """Return the matrix from the lags of a filter's copies to r, r_rate, r_acceleration.
+
+    There is a copy for each derivative of the trajectory that is free of impulses, up to the
+    acceleration; what is missing is the derivative of the last copy's output.
+    """
+    m = jerk_filter.order
+    direct = min(2, trajectory.lowest_jump())
+    if m <= 2 - direct:
+        raise ValueError(
+            f"a jerk filter of order {m} behind a trajectory whose derivative {direct} jumps has "
+            f"no finite acceleration: use order {3 - direct} or more, or bound the acceleration"
+        )
+    outputs = np.zeros((3, (direct + 1) * m))
+    for i in range(3):
+        copy = min(i, direct)
+        outputs[i, copy * m : (copy + 1) * m] = jerk_filter.derivative_weights(i - copy)[1:]
+    return outputs
+
+
 def _behind_filter(
-    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory
-) -> tuple[control.StateSpace, FloatArray]:
-    """Return the loop with a jerk filter in front of each input, and its state at the start."""
+    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory, outputs: FloatArray
+) -> tuple[control.StateSpace, int, FloatArray]:
+    """Return the loop behind the filter's copies, how many there are, and the initial state."""
     import control
 
     a, b = jerk_filter.state_space()
-    m, n = jerk_filter.order, loop.nstates
-    full = np.zeros((3 * m + n, 3 * m + n))
-    drive = np.zeros((3 * m + n, 3))
-    out = np.hstack([np.zeros((loop.noutputs, 3 * m)), loop.C])
-    for i in range(3):
-        part, last = slice(i * m, (i + 1) * m), (i + 1) * m - 1
-        full[part, part] = a
-        drive[part, i : i + 1] = b
-        full[3 * m :, last] = loop.B[:, i]
-        out[:, last] = loop.D[:, i]
-    full[3 * m :, 3 * m :] = loop.A
-    initial = np.zeros(3 * m + n)
-    initial[: 3 * m] = np.concatenate([jerk_filter.steady_state(trajectory, k) for k in range(3)])
-    return control.StateSpace(full, drive, out, 0, remove_useless_states=False), initial
+    lags, n = outputs.shape[1], loop.nstates
+    copies = lags // jerk_filter.order
+    full = np.zeros((lags + n, lags + n))
+    full[:lags, :lags] = np.kron(np.eye(copies), a)
+    full[lags:, :lags] = loop.B @ outputs
+    full[lags:, lags:] = loop.A
+    drive = np.vstack([np.kron(np.eye(copies), b), np.zeros((n, copies))])
+    out = np.hstack([loop.D @ outputs, loop.C])
+    start = [jerk_filter.steady_state(trajectory, k) for k in range(copies)]
+    initial = np.concatenate([*start, np.zeros(n)])
+    system = control.StateSpace(full, drive, out, 0, remove_useless_states=False)
+    return system, copies, initial
 
 
 def _named(

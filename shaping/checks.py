@@ -7,9 +7,14 @@ from operator import index
 
 
 def _number(name: str, value: float) -> float:
-    if isinstance(value, str):
-        raise TypeError(f"{name} = {value!r}: expected a number, not text")
-    return float(value)
+    try:
+        if isinstance(value, str):
+            raise TypeError
+        return float(value)
+    except TypeError:
+        raise TypeError(f"{name} = {value!r}: expected a number") from None
+    except OverflowError:
+        raise ValueError(f"{name} is beyond the range of a double") from None
 
 
 def finite(name: str, value: float) -> float:

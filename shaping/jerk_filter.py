@@ -149,14 +149,21 @@ class JerkFilter:
         chain = np.empty((self.order + 1, time.size))
         chain[1:] = lags
         chain[0] = inputs_on_grid(trajectory, time, dt, np.empty((direct + 1, time.size)))[direct]
-        for k in range(1, self.order + 1 - direct):
-            states[direct + k] = self._difference(chain, k)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k in range(1, self.order + 1 - direct):
+                states[direct + k] = self.derivative_weights(k) @ chain
         # the steady response to the motion that coasted in
         states[0] += start + drift * (time - time[0] - self.order / self.omega)
         states[1] += drift
+        if not np.isfinite(states).all():
+            raise ValueError(
+                "a derivative of the response leaves the range of a double: choose units nearer to "
+                "the problem's own, or a filter of lower order"
+            )
         return FilterResponse(time, states)
 
-    def _difference(self, chain: FloatArray, k: int) -> FloatArray:
-        """Return derivative k ≤ m of the last lag, from the command and all lags (m + 1, N)."""
-        terms = [(-1.0) ** i * comb(k, i) * chain[self.order - k + i] for i in range(k + 1)]
-        return np.asarray(self.omega**k * np.sum(terms, axis=0))
+    def derivative_weights(self, k: int) -> FloatArray:
+        """Return w (m + 1,): derivative k ≤ m of the output is w·[command, lag 1, …, lag m]."""
+        weights = np.zeros(self.order + 1)
+        weights[self.order - k :] = [(-1.0) ** i * comb(k, i) for i in range(k + 1)]
+        return weights * np.float64(self.omega) ** k

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sized
 from dataclasses import dataclass
 from math import inf, isinf
 
@@ -124,13 +124,11 @@ def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
     if bound is None:
         return -inf, inf
     try:
-        if isinstance(bound, str):
+        sides = tuple(bound) if isinstance(bound, Sized) else (bound, bound)
+        if len(sides) != 2 or any(isinstance(side, str | bool) for side in sides):
             raise TypeError
-        if isinstance(bound, tuple | list):
-            low, high = (float(side) for side in bound)
-        else:
-            high = float(bound)
-            low = -high
+        low, high = (float(side) for side in sides)
+        low = low if isinstance(bound, Sized) else -high
     except (TypeError, ValueError):
         raise TypeError(
             f"{derivative_name(k)} limit {bound!r}: expected a positive number or a pair "

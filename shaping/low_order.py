@@ -81,12 +81,13 @@ def _order_3(distance: float, up: _Ramp, cruise: float, down: _Ramp) -> list[Pie
     pieces: list[Piece] = [(up.rise, (0.0, 0.0, 0.0, rising))]
     if up.hold > 0.0:
         pieces.append((up.hold, (x1, v1, a, 0.0)))
-    if cruise > 0.0:
+    if cruise == 0.0 and down is up:
+        pieces.append((2.0 * up.fall, (x2, v2, a, falling)))
+    else:  # unequal ramps meet at zero acceleration, or rounding of the larger spoils the smaller
         pieces.append((up.fall, (x2, v2, a, falling)))
-        pieces.append((cruise, (up.distance(), v, 0.0, 0.0)))
+        if cruise > 0.0:
+            pieces.append((cruise, (up.distance(), v, 0.0, 0.0)))
         pieces.append((down.fall, (distance - down.distance(), v, 0.0, falling)))
-    else:
-        pieces.append((up.fall + down.fall, (x2, v2, a, falling)))
     y1, w1 = down.after_rise()
     y2, w2 = down.after_hold()
     if down.hold > 0.0:

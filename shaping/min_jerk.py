@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from .checks import finite, positive
 from .trajectory import Trajectory, point, within_range
 
@@ -82,4 +84,6 @@ def min_jerk_move(
 def _quintic(start: float, distance: float, time: float) -> Trajectory:
     jerk = 60.0 * distance / time**3
     state = [start, 0.0, 0.0, jerk, -6.0 * jerk / time, 12.0 * jerk / time**2]
+    if not all(map(isfinite, state)):
+        raise OverflowError
     return Trajectory([0.0, time], [state], None, [start + distance, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -14,6 +14,8 @@ from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
 
+_SPOILT = 1e-11  # an excess over a bound that is more than rounding
+
 MAX_MOVE_ORDER = 14
 """Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
 
@@ -79,6 +81,8 @@ def min_time_move(
     1.0
     """
     distance, start = finite("distance", distance), finite("start", start)
+    if not isinstance(limits, Limits):
+        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
     if method != "closed-form":
         raise ValueError(f"method = {method!r}: expected 'closed-form'")
     if limits.order > MAX_MOVE_ORDER:
@@ -91,6 +95,7 @@ def min_time_move(
     forward = limits if distance > 0.0 else limits.mirror()
     _check_bounded(forward)
     move = within_range(lambda: _positive_move(abs(distance), limits, forward))
+    _check_kept(move, forward)
     if distance < 0.0:
         move = move.mirror()
     return move.shift(start) if start else move
@@ -180,7 +185,27 @@ def bound_for_rise_time(acceleration: float, rise_time: float, order: int) -> fl
     acceleration = positive("acceleration", acceleration)
     rise_time = positive("rise_time", rise_time)
     order = whole("order", order, 3, MAX_ORDER)
-    return acceleration * spline_divisor(order - 2) / rise_time ** (order - 2)
+    try:
+        bound = acceleration * spline_divisor(order - 2) / rise_time ** (order - 2)
+    except ArithmeticError:
+        bound = inf
+    if not 0.0 < bound < inf:
+        raise ValueError(
+            f"rise_time = {rise_time!r}: the bound on derivative {order} leaves the range of a "
+            "double; choose other units"
+        )
+    return bound
+
+
+def _check_kept(move: Trajectory, limits: Limits) -> None:
+    """Refuse a move spoilt by rounding, which takes bounds some 15 decades apart."""
+    low, high = move.states[:, 1:].min(axis=0), move.states[:, 1:].max(axis=0)
+    for k, (lower, upper) in enumerate(zip(limits.lower, limits.upper, strict=True)):
+        if low[k] < lower * (1.0 + _SPOILT) or high[k] > upper * (1.0 + _SPOILT):
+            raise ValueError(
+                f"the {derivative_name(k + 1)} limit cannot be kept in double precision: the "
+                "limits are too many decades apart; leave out those that never bind"
+            )
 
 
 def _positive_move(distance: float, limits: Limits, forward: Limits) -> Trajectory:

@@ -171,9 +171,7 @@ def to_trajectory(rise: Rise) -> Trajectory:
     first = np.concatenate([[0], switches])
     end = np.zeros(len(rise.rows))
     end[0] = rise.peak
-    return Trajectory(
-        np.append(breaks[first], rise.span),
-        rise.rows[:, first].T,
-        np.add.reduceat(rise.durations, first),
-        end,
-    )
+    breaks = np.maximum.accumulate(np.append(breaks[first], rise.span))
+    states = np.array(rise.rows[:, first].T, dtype=float)
+    durations = np.add.reduceat(np.asarray(rise.durations, dtype=float), first)
+    return Trajectory.from_arrays(breaks, states, durations, end)

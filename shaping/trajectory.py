@@ -429,7 +429,7 @@ def within_range(plan: Callable[[], Trajectory]) -> Trajectory:
             move = plan()
         if 0.0 < move.duration < np.inf and np.isfinite(move.states).all():
             return move
-    except (ArithmeticError, ValueError):
+    except ArithmeticError:
         pass
     raise ValueError(
         "the duration or a state leaves the range of a double: choose distance and time units "

@@ -214,3 +214,15 @@ def test_plan_tables_show_peaks_beside_limits():
 def test_a_plan_without_motion_has_no_negative_zero():
     text = shown(plan_tables(plan_move("0 mm", {2: "1 mm/s^2"})))
     assert not re.search(r"(?<!\S)-0(?!\S)", text)
+
+
+def test_a_margin_that_does_not_exist_is_null_in_the_design_check(tmp_path):
+    """PD gains have no lower gain margin; their survey was once refused as not JSON."""
+    text = (EXAMPLES / "telescope.toml").read_text(encoding="utf-8")
+    gains = 'gains = {kp = "40 N m/rad", ki = "0 N m/(rad s)", kr = "9 N m s/rad"}'
+    path = tmp_path / "case.toml"
+    path.write_text(text.replace('gains = "design"', gains), encoding="utf-8")
+    data = survey_data(survey(path))
+    achieved = {check["name"]: check["achieved"] for check in data["design_check"]}
+    assert achieved["lower gain margin"] is None
+    assert json.dumps(data, allow_nan=False)

@@ -177,7 +177,7 @@ def test_a_byte_order_mark_is_ignored(write):
         (', "2 deg/s^3"]', "]", "limits.axis.jerk: ['-1 deg/s^3'] is not a pair around zero; writ"),
         ('"2 deg/s^3"]', "2]", "limits.axis.jerk: 2 has no unit; write an angular jerk such as"),
         ("jerk =", "jrek =", "limits.axis.jrek: unknown key (with ['-1 deg/s^3', '2 deg/s^3'])"),
-        ("jerk =", "derivative_21 =", "pop, derivative_7 to derivative_20; did you mean derivativ"),
+        ("jerk =", "derivative_15 =", "pop, derivative_7 to derivative_14; did you mean derivativ"),
         ('"go"', '""', "moves[0].name: '' is not a name; write printable text such as"),
         ('"go"', "3", "moves[0].name: 3 is not a name; write printable text"),
         ('"go"', r'"a\nb"', r"moves[0].name: 'a\nb' is not a name; write printable text"),

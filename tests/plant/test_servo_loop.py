@@ -372,12 +372,31 @@ def test_a_settling_tolerance_that_is_not_positive_is_refused(tolerance):
 # Errors
 
 
-@pytest.mark.parametrize("jerk_filter", [None, JerkFilter(2.0, 6)])
-def test_a_trajectory_of_order_1_is_refused(jerk_filter):
+def test_a_trajectory_of_order_1_is_refused_unless_a_filter_smooths_it():
     ramp = min_time_move(1.0, Limits(velocity=1.0))
     message = "acceleration of a trajectory of order 1 is a train of impulses: use .*acceleration"
     with pytest.raises(ValueError, match=message):
-        loop_with(1.0).respond(ramp, 0.1, jerk_filter=jerk_filter)
+        loop_with(1.0).respond(ramp, 0.1)
+    with pytest.raises(ValueError, match=r"filter of order 1 behind .* use order 2 or more"):
+        loop_with(1.0).respond(ramp, 0.1, jerk_filter=JerkFilter(2.0, 1))
+
+
+@pytest.mark.parametrize("order", [2, 3, 6])
+def test_a_filter_can_be_put_behind_a_velocity_limited_move(order):
+    ramp, behind = min_time_move(1.0, Limits(velocity=2.0), start=3.0), JerkFilter(2.0, order)
+    loop = ServoLoop(Inertia(2.0), PID(50.0, 70.0, 11.0), InertiaFeedforward(2.0))
+    response = loop.respond(ramp, 0.01, duration=4.0, jerk_filter=behind)
+    alone = behind.respond(ramp, 0.01, duration=4.0)
+    np.testing.assert_allclose(response.inputs, alone.states[:3], atol=1e-12)
+    np.testing.assert_allclose(response.error, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("blocks", [(1.0, None), (None, 2.0), (None, None, 1.0)])
+def test_blocks_of_another_kind_are_refused(blocks):
+    good = (Inertia(1.0), PID(1.0, 1.0, 1.0), InertiaFeedforward(1.0))
+    mixed = [good[i] if block is None else block for i, block in enumerate(blocks)]
+    with pytest.raises(TypeError, match=r"= [12]\.0: expected (Inertia|PID)"):
+        ServoLoop(*mixed)
 
 
 @pytest.mark.parametrize("name", ["dt", "duration"])

@@ -171,3 +171,18 @@ def test_one_sided_bounds_below_the_highest_are_bounds():
     assert low == pytest.approx(-2.0)
     assert high == pytest.approx(50.0**0.5)  # sqrt(V·W), nothing stops it
     assert min_time_move(-3.0, limits).peak("velocity") > 1.0
+
+
+@pytest.mark.parametrize(
+    ("distance", "limits"),
+    [
+        (0.38, Limits(acceleration=(-9.8e-05, 190.0), jerk=(-8479.0, 1806.0))),
+        (860.71, Limits(acceleration=(-1.12e-06, 100.0), jerk=(-3.9, 635.7))),
+        (1e-6, Limits(1, (-1e-12, 1), 1)),
+    ],
+)
+def test_bounds_many_decades_apart_in_the_two_directions_are_kept(distance, limits):
+    """Once the larger ramp's rounding spoilt the smaller: an excess of up to 3e-9."""
+    move = min_time_move(distance, limits)
+    assert move.violation(limits) <= BOUND, move_text(distance, limits)
+    assert max(joint_gaps(move)) <= CONTINUITY

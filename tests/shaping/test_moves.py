@@ -435,3 +435,26 @@ def test_bounds_and_times_must_be_positive(value):
 def test_a_rise_time_needs_order_3_or_more(order):
     with pytest.raises(ValueError, match=f"order = {order}: expected"):
         bound_for_rise_time(1.0, 1.0, order)
+
+
+@pytest.mark.parametrize(
+    ("distance", "bounds"), [(600.0, (60, 60, 0.2, 1e14)), (40.0, (50.0, 0.1, 1.0, 0.2, 1e14))]
+)
+def test_a_practically_unlimited_highest_derivative_is_no_obstacle(distance, bounds):
+    """Once refused: rounding made a break step backwards."""
+    limits = Limits.from_bounds(bounds)
+    move = min_time_move(distance, limits)
+    assert move.violation(limits) <= BOUND
+    assert np.all(np.diff(move.breaks) >= 0)
+    assert move.end_state[0] == distance
+
+
+@pytest.mark.parametrize("limits", [{"jerk": 1.0}, 2.0, None])
+def test_limits_of_another_kind_are_refused(limits):
+    with pytest.raises(TypeError, match="expected Limits"):
+        min_time_move(1.0, limits)
+
+
+def test_a_rise_time_out_of_range_is_refused():
+    with pytest.raises(ValueError, match=r"rise_time = 1e-200: .* leaves the range"):
+        bound_for_rise_time(1.0, 1e-200, 6)
