@@ -27,6 +27,13 @@ def test_the_tree_is_the_one_there_is():
     assert part("tree") == generator().tree(), "run: python docs/readme.py tree"
 
 
+def test_every_benchmark_has_its_table():
+    measured = part("benchmarks")
+    for path in (ROOT / "benchmarks").glob("*.py"):
+        assert path.name == "timing.py" or path.name in measured, "run: make benchmark"
+    assert measured.count("| --- |") == 4
+
+
 def test_the_notebook_example_runs(capsys):
     [snippet] = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
     assert len(snippet.strip().splitlines()) <= 12
