@@ -128,9 +128,17 @@ def respond_on_grid(
     rows[-1] = time
     inputs_on_grid(trajectory, rows[-1], dt, derivatives)
     discrete = plant.isdtime()
-    propagate(
-        plant.A, plant.B, numbers, trajectory, dt, time.size, initial, discrete=discrete, out=states
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        propagate(
+            *(plant.A, plant.B, numbers, trajectory, dt, time.size, initial),
+            discrete=discrete,
+            out=states,
+        )
+    if not np.isfinite(states[:, -1]).all():
+        raise ValueError(
+            f"the response leaves the range of a double within {length!r}: the system is unstable; "
+            "shorten the duration"
+        )
     mixing = np.zeros((plant.noutputs, n + k))
     mixing[:, :n] = plant.C
     for i, d in enumerate(numbers):

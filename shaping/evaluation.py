@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike
 
 from .pieces import FloatArray, evaluate, evaluate_sorted
 
+MAX_SAMPLES = 10**9
+"""Longest time grid."""
+
 _GATHER_BELOW = 4096  # points up to which looking up every point's piece is the faster way
 _BLOCK = 8192  # points evaluated at a time, so that the work stays in the cache
 

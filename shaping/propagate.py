@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .derivatives import derivative_name
+from .evaluation import MAX_SAMPLES
 from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
 from .trajectory import Trajectory
 
@@ -35,6 +36,11 @@ _SMALL = 2.0**-10  # no use in making the nilpotent part smaller than this
 
 def grid(start: float, duration: float, dt: float) -> FloatArray:
     """Return start, start + dt, … up to start + duration (kept where it is a multiple of dt)."""
+    if duration > MAX_SAMPLES * dt:
+        raise ValueError(
+            f"dt = {dt!r} makes {duration / dt:.3g} samples of {duration!r}: expected at most "
+            f"{MAX_SAMPLES:.0e}; use a larger dt"
+        )
     return np.asarray(start + dt * np.arange(floor(duration / dt * (1 + 1e-12)) + 1.0))
 
 

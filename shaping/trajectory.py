@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .checks import finite, positive
 from .derivatives import derivative_name, derivative_number
-from .evaluation import Evaluator
+from .evaluation import MAX_SAMPLES, Evaluator
 from .limits import Limits
 from .pieces import FloatArray, advance, evaluate, extrema
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -206,6 +206,11 @@ class Trajectory:
             Time last, as in python-control.
         """
         dt = positive("dt", dt)
+        if self.duration > MAX_SAMPLES * dt:
+            raise ValueError(
+                f"dt = {dt!r} makes {self.duration / dt:.3g} samples: expected at most "
+                f"{MAX_SAMPLES:.0e}; use a larger dt"
+            )
         whole = int(np.ceil(self.duration / dt * (1.0 - 1e-12)))
         times = np.append(self.start_time + dt * np.arange(whole), self.end_time)
         states = self.evaluate(times)

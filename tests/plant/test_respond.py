@@ -354,3 +354,17 @@ def test_an_initial_state_that_does_not_fit_is_refused(initial):
 def test_what_is_no_derivative_is_refused(derivative):
     with pytest.raises(ValueError, match="derivative"):
         respond(LAG, MOVE, 0.1, derivatives=(derivative,))
+
+
+def test_an_unstable_response_out_of_range_is_refused():
+    move = min_time_move(1.0, Limits(acceleration=1.0))
+    with pytest.raises(ValueError, match=r"leaves the range of a double .* shorten the duration"):
+        respond(control.tf([1], [1, -1000]), move, 0.01, duration=100.0)
+
+
+def test_a_grid_without_end_is_refused():
+    move = min_time_move(1.0, Limits(acceleration=1.0))
+    with pytest.raises(ValueError, match=r"dt = 1e-12 makes 2e\+12 samples"):
+        respond(control.tf([1], [1, 1]), move, 1e-12)
+    with pytest.raises(ValueError, match=r"dt = 1e-12 makes 2e\+12 samples"):
+        move.sample(1e-12)
