@@ -76,8 +76,8 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
             ax.plot([at, at], [0.0, level], "-o", color=_RED, markersize=4)
             ax.annotate(
                 f"{name} gain margin\n{abs(level):.4g} dB",
-                (at, level),
-                xytext=(-8, -16),
+                (at, min(level, 0.0)),
+                xytext=(18, -4),
                 textcoords="offset points",
                 ha="right",
                 va="top",
