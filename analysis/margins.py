@@ -111,7 +111,11 @@ class LoopMargins:
         """Return the margins as text, one to a line; an unstable loop names its worst pole."""
         if not self.stable:
             return _unstable_summary(self)
-        rows = [
+        return "\n".join(["stable", *(_line(*row) for row in self.rows())])
+
+    def rows(self) -> list[tuple[str, float, str, float]]:
+        """Return (name, value, unit, frequency in Hz or nan) of each margin, for a table."""
+        return [
             ("phase margin", self.phase_margin_deg, "deg", self.crossover_hz),
             ("lower gain margin", self.lower_gain_margin_db, "dB", self.lower_gain_margin_hz),
             ("upper gain margin", self.upper_gain_margin_db, "dB", self.upper_gain_margin_hz),
@@ -122,7 +126,6 @@ class LoopMargins:
             ("peak of T", self.complementary_peak, "", self.complementary_peak_hz),
             ("bandwidth", self.bandwidth_hz, "Hz", math.nan),
         ]
-        return "\n".join(["stable", *(_line(*row) for row in rows)])
 
     def __str__(self) -> str:
         return self.summary()

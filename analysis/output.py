@@ -93,11 +93,6 @@ def check_picture(path: Path) -> None:
         raise ValueError(f"{path}: expected a file name that ends in {', '.join(PICTURES)}")
 
 
-def write_file(path: Path, write: Callable[[Path], object]) -> None:
-    """Write one file; see `write_files`."""
-    write_files({path: write})
-
-
 def write_files(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     """Write several files, or none.
 

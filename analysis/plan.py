@@ -8,6 +8,7 @@ from math import inf
 
 from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
+from ..shaping.moves import MAX_MOVE_ORDER
 from .units import (
     DURATION,
     Kind,
@@ -20,7 +21,7 @@ from .units import (
     unit_of,
 )
 
-HIGHEST_DERIVATIVE = 14
+HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 """Highest derivative that a limit can be given for."""
 
 

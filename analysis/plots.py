@@ -225,7 +225,7 @@ def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
             color=color,
             label=label,
         )
-        _make_room(ax, below=0.4)
+    _make_room(ax, below=0.4)
     ax.legend(loc="lower right")
     return _finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
 

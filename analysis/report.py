@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich.box import SIMPLE_HEAD
@@ -143,19 +143,9 @@ def _move_data(move: MoveSurvey, scale: float) -> dict[str, Any]:
 def _margins_table(survey: Survey) -> Table:
     margins = survey.margins
     table = _table("Loop margins", "", "value", "at")
-    for name, value, unit, at in (
-        ("gain crossover", margins.crossover_hz, "Hz", None),
-        ("phase margin", margins.phase_margin_deg, "deg", margins.crossover_hz),
-        ("lower gain margin", margins.lower_gain_margin_db, "dB", margins.lower_gain_margin_hz),
-        ("upper gain margin", margins.upper_gain_margin_db, "dB", margins.upper_gain_margin_hz),
-        ("delay margin", margins.delay_margin_s, "s", margins.delay_margin_hz),
-        ("modulus margin", margins.modulus_margin, "", margins.modulus_margin_hz),
-        ("disk margin", margins.disk_margin, "", margins.disk_margin_hz),
-        ("peak of S", margins.sensitivity_peak, "", margins.sensitivity_peak_hz),
-        ("peak of T", margins.complementary_peak, "", margins.complementary_peak_hz),
-        ("bandwidth", margins.bandwidth_hz, "Hz", None),
-    ):
-        place = "" if at is None or not isfinite(at) else f"{at:.4g} Hz"
+    crossover = ("gain crossover", margins.crossover_hz, "Hz", nan)
+    for name, value, unit, at in (crossover, *margins.rows()):
+        place = f"{at:.4g} Hz" if isfinite(at) else ""
         table.add_row(name, _shown(value, unit), place)
     return table
 

@@ -11,6 +11,7 @@ from pydantic import PlainValidator, ValidationInfo, ValidatorFunctionWrapHandle
 
 from ..shaping.derivatives import DERIVATIVE_NAMES
 from ..shaping.limits import Bound
+from ..shaping.moves import MAX_MOVE_ORDER
 from .scenario_messages import unknown_key, what_to_write
 from .units import (
     Kind,
@@ -24,7 +25,7 @@ from .units import (
     show,
 )
 
-HIGHEST_DERIVATIVE = 14
+HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 HIGHEST_FILTER_ORDER = 50
 
 LIMIT_KEYS = DERIVATIVE_NAMES[1:] + tuple(

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from jounce.analysis import survey
-from jounce.analysis.output import save_figure, write_file, write_rows, write_survey
+from jounce.analysis.output import save_figure, write_files, write_rows, write_survey
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ARCSEC = math.pi / 180 / 3600
@@ -244,9 +244,9 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
         raise ValueError("broken")
 
     with pytest.raises(ValueError, match="broken"):
-        write_file(path, fail)
+        write_files({path: fail})
     assert contents(tmp_path) == {"result.csv": b"old"}
-    write_file(path, lambda draft: draft.write_text("new") and None)
+    write_files({path: lambda draft: draft.write_text("new") and None})
     assert contents(tmp_path) == {"result.csv": b"new"}
 
 
@@ -256,7 +256,7 @@ def test_an_unwritable_place_is_named(tmp_path, name):
     (tmp_path / "taken").write_text("mine")
     before = contents(tmp_path)
     with pytest.raises(OSError, match=r"\S") as refusal:
-        write_file(tmp_path / name, lambda draft: draft.write_text("new") and None)
+        write_files({tmp_path / name: lambda draft: draft.write_text("new") and None})
     assert contents(tmp_path) == before
     named = {str(refusal.value.filename), str(refusal.value.filename2)}
     assert named & {str(tmp_path / name), str((tmp_path / name).parent)}

@@ -193,6 +193,8 @@ def test_margins_that_do_not_exist(telescope):
     )
     figure = replace(telescope, margins=nothing).plot()
     render(figure)
+    assert len(figure.axes) == 9
+    assert any("fall by any amount" in text.get_text() for text in figure.texts)
 
 
 def test_an_upper_gain_margin_is_marked_below_the_line(telescope, ax):
