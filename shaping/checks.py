@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, isfinite
 from operator import index
+from typing import TypeVar
+
+_Result = TypeVar("_Result")
 
 
 def _number(name: str, value: float) -> float:
@@ -42,3 +46,14 @@ def whole(name: str, value: int, least: int, most: int) -> int:
     if not least <= number <= most:
         raise ValueError(f"{name} = {value!r}: expected a whole number from {least} to {most}")
     return number
+
+
+def in_range(plan: Callable[[], _Result]) -> _Result:
+    """Return plan(), its arithmetic errors told as numbers that leave the range of a double."""
+    try:
+        return plan()
+    except ArithmeticError:
+        raise ValueError(
+            "the duration or a state leaves the range of a double: choose distance and time units "
+            "nearer to the problem's own"
+        ) from None

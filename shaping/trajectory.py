@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import finite, positive
+from .checks import finite, in_range, positive
 from .derivatives import derivative_name, derivative_number
 from .evaluation import MAX_SAMPLES, Evaluator
 from .limits import Limits
@@ -339,6 +339,35 @@ class Trajectory:
             self.coasting,
         )
 
+    def until(self, time: float) -> Trajectory:
+        """Return the motion from its start up to a time, coasting on after its end.
+
+        `end_state` keeps the derivatives below n that the motion has at that time.
+
+        Raises
+        ------
+        ValueError
+            For a time before the start.
+        """
+        if not self.start_time <= finite("time", time):
+            raise ValueError(
+                f"time = {time!r} is before the start: expected at least {self.start_time!r}"
+            )
+        last = self.evaluate(time)
+        last[-1] = 0.0
+        begun = self.breaks[:-1] < time
+        breaks, states = np.append(self.breaks[:-1][begun], time), self.states[begun]
+        durations = self.durations[begun].copy()
+        if time > self.end_time:
+            coasting = self.end_state.copy()
+            coasting[self.coasting + 1 :] = 0.0
+            breaks = np.append(self.breaks, time)
+            states = np.vstack([states, coasting])
+            durations = np.append(durations, time - self.end_time)
+        elif len(durations):
+            durations[-1] = min(durations[-1], time - breaks[-2])
+        return Trajectory(breaks, states, durations, last, self.coasting)
+
     def then(self, following: Trajectory, *, dwell: float = 0.0) -> Trajectory:
         """Append another motion, moved in time and position to begin where this one ends.
 
@@ -375,16 +404,16 @@ class Trajectory:
 
     def __repr__(self) -> str:
         return (
-            f"Trajectory(order={self.order}, pieces={len(self.states)}, "
+            f"{type(self).__name__}(order={self.order}, pieces={len(self.states)}, "
             f"start={self.start_state[0]:.10g}, end={self.end_state[0]:.10g}, "
             f"duration={self.duration:.10g})"
         )
 
-    def _with(self, breaks: FloatArray, states: FloatArray, end_state: FloatArray) -> Self:
+    def _with(self, breaks: FloatArray, states: FloatArray, end_state: FloatArray) -> Trajectory:
         for values in (breaks, states, end_state):
             if not np.isfinite(values).all():
                 raise ValueError("the result leaves the range of a double")
-        return self.from_arrays(breaks, states, self.durations, end_state, self.coasting)
+        return Trajectory.from_arrays(breaks, states, self.durations, end_state, self.coasting)
 
     @cached_property
     def _evaluator(self) -> Evaluator:
@@ -429,17 +458,15 @@ def _check_joint(first: Trajectory, second: Trajectory) -> None:
 
 def within_range(plan: Callable[[], Trajectory]) -> Trajectory:
     """Return plan(), refusing durations and states that leave the range of a double."""
-    try:
+
+    def checked() -> Trajectory:
         with np.errstate(all="ignore"):
             move = plan()
-        if 0.0 < move.duration < np.inf and np.isfinite(move.states).all():
-            return move
-    except ArithmeticError:
-        pass
-    raise ValueError(
-        "the duration or a state leaves the range of a double: choose distance and time units "
-        "nearer to the problem's own"
-    )
+        if not (0.0 < move.duration < np.inf and np.isfinite(move.states).all()):
+            raise OverflowError
+        return move
+
+    return in_range(checked)
 
 
 def point(position: float, order: int) -> Trajectory:

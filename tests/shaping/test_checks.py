@@ -1,12 +1,12 @@
 """Checks of a caller's numbers: what passes, and what the error says."""
 
 from fractions import Fraction
-from math import inf, nan
+from math import exp, inf, ldexp, nan
 
 import numpy as np
 import pytest
 
-from jounce.shaping.checks import finite, positive, whole
+from jounce.shaping.checks import finite, in_range, positive, whole
 
 TINY, HUGE = 5e-324, 1.7976931348623157e308
 
@@ -62,3 +62,38 @@ def test_whole_refuses_with_name_value_and_range(value):
     with pytest.raises(ValueError, match=message) as info:
         whole("count", value, 2, 5)
     assert repr(value) in str(info.value)
+
+
+@pytest.mark.parametrize("result", [3.5, None, [1, 2], inf, nan])
+def test_in_range_returns_what_the_plan_returns(result):
+    assert in_range(lambda: result) is result
+
+
+OUT_OF_RANGE = {
+    "division by zero": lambda: 1.0 / 0.0,
+    "power": lambda: HUGE**2,
+    "exponential": lambda: exp(1e3),
+    "ldexp": lambda: ldexp(1.0, 10_000),
+    "conversion": lambda: float(Fraction(10) ** 400),
+}
+
+
+@pytest.mark.parametrize("plan", OUT_OF_RANGE.values(), ids=OUT_OF_RANGE)
+def test_in_range_tells_arithmetic_errors_as_numbers_out_of_range(plan):
+    message = (
+        r"^the duration or a state leaves the range of a double: choose distance and time units "
+        r"nearer to the problem's own$"
+    )
+    with pytest.raises(ValueError, match=message) as info:
+        in_range(plan)
+    assert info.value.__suppress_context__
+    assert info.value.__cause__ is None
+
+
+@pytest.mark.parametrize("error", [ValueError, TypeError, AssertionError, KeyError])
+def test_in_range_lets_other_errors_through(error):
+    def plan():
+        raise error("as it was")
+
+    with pytest.raises(error, match="as it was"):
+        in_range(plan)

@@ -339,6 +339,119 @@ def test_reversed_order_1_move_goes_back():
     assert back([-1.0, 0.0, 1.0, 2.0, 5.0]).tolist() == [7.0, 7.0, 4.0, 1.0, 1.0]
 
 
+# Cut short, or gone on with
+
+
+@given(seed=SEEDS, order=ORDERS, part=st.floats(0.0, 1.0))
+def test_until_is_the_motion_before(seed, order, part):
+    x = any_trajectory(seed, order)
+    time = x.start_time + part * x.duration
+    cut, t = x.until(time), inside(x)
+    assert (cut.start_time, cut.end_time) == (x.start_time, time)
+    before = np.concatenate([t[t < time], [x.start_time - 1.0]])
+    # in the last piece a time that rounds to its end may be the end
+    before = before[np.abs(before - time) > 1e-12]
+    for k in range(order + 1):
+        np.testing.assert_allclose(
+            cut(before, k), x(before, k), rtol=1e-13, atol=1e-13, err_msg=f"{k} until {time!r}"
+        )
+        expected = x(time, k) if k < order else 0.0
+        assert cut.end_state[k] == pytest.approx(expected, rel=1e-13, abs=1e-13), (k, time)
+
+
+@given(seed=SEEDS, order=ORDERS)
+def test_until_a_break_has_no_sliver(seed, order):
+    x = any_trajectory(seed, order)
+    for i, time in enumerate(x.breaks.tolist()):
+        cut = x.until(time)
+        assert len(cut.states) == i
+        np.testing.assert_array_equal(cut.breaks, x.breaks[: i + 1])
+        np.testing.assert_array_equal(cut.states, x.states[:i])
+        np.testing.assert_array_equal(cut.durations, x.durations[:i])
+        outside = x.end_state if i == len(x.states) else x.states[i]
+        coasts = i == len(x.states)  # after its end the highest that continue are left
+        known = min(order, 2) if coasts else order
+        np.testing.assert_array_equal(cut.end_state[:known], outside[:known])
+
+
+@given(seed=SEEDS, order=ORDERS, more=st.floats(1e-3, 1e3))
+def test_until_a_time_after_the_end_it_coasts(seed, order, more):
+    x = smooth_trajectory(seed, order)
+    time = x.end_time + more
+    longer = x.until(time)
+    t = np.concatenate([inside(x), x.end_time + more * np.array([0.1, 0.9, 1.5])])
+    for k in range(order + 1):
+        np.testing.assert_allclose(longer(t, k), x(t, k), rtol=1e-12, atol=1e-11)
+    assert len(longer.states) == len(x.states) + 1
+    assert longer.states[-1, min(2, order) :].tolist() == [0.0] * (order - min(2, order) + 1)
+    assert longer.duration == pytest.approx(x.duration + more, rel=1e-13)
+
+
+@given(seed=SEEDS, order=st.integers(2, 6), part=st.floats(0.05, 0.95))
+def test_until_composes_and_the_rest_can_follow(seed, order, part):
+    x = smooth_trajectory(seed, order)
+    first, second = (x.start_time + share * x.duration for share in (part, part**0.5))
+    cut = x.until(second).until(first)
+    np.testing.assert_allclose(cut.states, x.until(first).states, rtol=1e-14)
+    assert cut.end_time == first
+    rest = x.reverse().until(x.start_time + x.end_time - first).reverse()
+    joined, t = cut.then(rest.delay(first - rest.start_time)), inside(x)
+    for k in range(order):
+        scale = magnitude(x, k) + 10.0
+        np.testing.assert_allclose(joined(t, k), x(t, k), rtol=1e-8, atol=1e-9 * scale)
+
+
+def test_then_works_after_until():
+    move = min_time_move(10.0, Limits(velocity=4.0, acceleration=4.0))
+    cruising = move.until(1.5)
+    assert cruising.end_state.tolist() == [4.0, 4.0, 0.0]
+    stop = Trajectory([0.0, 2.0], [[0.0, 4.0, -2.0]])
+    both = cruising.then(stop)
+    assert both([0.5, 1.5, 3.5, 9.0]).tolist() == [0.5, 4.0, 8.0, 8.0]
+    late = move.until(5.0).then(move)
+    assert late([3.5, 5.0, 5.5, 8.5]).tolist() == [10.0, 10.0, 10.5, 20.0]
+    with pytest.raises(ValueError, match="velocity would jump from 4 to 0"):
+        cruising.then(move)
+
+
+def test_until_keeps_what_a_derivative_does_outside():
+    speed = min_time_move(10.0, Limits(acceleration=4.0)).derivative(1)
+    longer = speed.until(speed.end_time + 1.0)
+    assert longer.coasting == speed.coasting == 0
+    assert longer([-1.0, speed.end_time + 0.5, speed.end_time + 9.0]).tolist() == [0.0] * 3
+    zero = Trajectory([0.0, 1.0], [[2.0, 0.0]], coasting=-1)
+    assert zero.until(3.0)([-1.0, 0.5, 2.0, 4.0]).tolist() == [0.0, 2.0, 0.0, 0.0]
+
+
+def test_until_of_order_1_and_of_a_point():
+    ramp = Trajectory([0.0, 2.0], [[1.0, 3.0]])
+    assert ramp.until(1.0)([0.5, 1.0, 5.0]).tolist() == [2.5, 4.0, 4.0]
+    assert ramp.until(4.0)([1.0, 3.0, 9.0]).tolist() == [4.0, 7.0, 7.0]
+    rest = min_time_move(0.0, Limits(jerk=1.0), start=2.0)
+    assert rest.until(0.0).duration == 0.0
+    assert rest.until(3.0)([-1.0, 2.0, 9.0]).tolist() == [2.0] * 3
+
+
+def test_until_the_start_is_a_point():
+    x = smooth_trajectory(1, 4)
+    point = x.until(x.start_time)
+    assert (len(point.states), point.duration) == (0, 0.0)
+    np.testing.assert_array_equal(point.end_state[:4], x.start_state[:4])
+
+
+@pytest.mark.parametrize("time", [-0.71, -1e300])
+def test_until_refuses_a_time_before_the_start(time):
+    message = re.escape(f"time = {time!r} is before the start: expected at least -0.7")
+    with pytest.raises(ValueError, match=message):
+        any_trajectory(0, 3).until(time)
+
+
+@pytest.mark.parametrize("time", [nan, inf, -inf])
+def test_until_refuses_what_is_no_time(time):
+    with pytest.raises(ValueError, match=re.escape(f"time = {time!r}: expected a finite number")):
+        any_trajectory(0, 3).until(time)
+
+
 # Appending
 
 

@@ -1,0 +1,1 @@
+"""Following any command within bounds, one sample at a time."""

@@ -1,0 +1,298 @@
+"""CommandFollower: a shaper that keeps its bounds whatever it is commanded, sample by sample."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import remainder
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..checks import finite, positive
+from ..jerk_filter import JerkFilter
+from ..limits import Limits
+from ..pieces import FloatArray
+from ..trajectory_checks import finite_array
+from ..transfers.problem import check_order
+from ..transfers.task import Piece, Task
+from . import second_order, third_order
+from .approach import approach
+from .lags import Lags, one_piece, output
+
+
+@dataclass(frozen=True, eq=False)
+class FollowerResponse:
+    """What a follower makes of a series of commands.
+
+    Attributes
+    ----------
+    time : (N,) array
+        dt, 2·dt, …: the end of each sample.
+    commands : (N,) array
+        Command k is in force during sample k, from k·dt to time[k].
+    states : (order + 1, N) array
+        Position and its derivatives at the end of each sample, time last; behind the jerk filter,
+        if there is one. The highest derivative may jump: it is the one in force just before.
+    """
+
+    time: FloatArray
+    commands: FloatArray
+    states: FloatArray
+
+
+@dataclass(frozen=True)
+class CommandFollower:
+    """Follows any command in minimum time within limits, replanning at every sample.
+
+    At each sample the output is the first dt of the minimum-time motion from the present state to
+    the command: to rest there, or to the command's own velocity where that is given. The motion
+    is exact inside the sample, however often it switches there, so that no bound is ever
+    exceeded, a constant command is not overshot, and nothing chatters.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of order 2 or 3; bounds may differ between directions.
+    dt : float
+        Sampling interval.
+    period : float, optional
+        Distance after which positions repeat, such as 360.0 for degrees: commands are then
+        followed the shortest way. Positions of the output go on continuously.
+    jerk_filter : JerkFilter, optional
+        Smooths the output further; its lags then are part of the state.
+
+    Raises
+    ------
+    ValueError
+        For limits of another order or with the highest bound in one direction only, or a dt or
+        period that is not positive.
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section II.
+
+    Examples
+    --------
+    >>> follower = CommandFollower(Limits(velocity=2.0, acceleration=1.0), dt=0.5)
+    >>> state = (0.0, 0.0)
+    >>> for _ in range(4):
+    ...     state = follower.step(state, 1.0)
+    >>> state
+    (1.0, 0.0, 0.0)
+    """
+
+    limits: Limits
+    dt: float
+    period: float | None = None
+    jerk_filter: JerkFilter | None = None
+
+    def __init__(
+        self,
+        limits: Limits,
+        *,
+        dt: float,
+        period: float | None = None,
+        jerk_filter: JerkFilter | None = None,
+    ) -> None:
+        check_order(limits)
+        if jerk_filter is not None and not isinstance(jerk_filter, JerkFilter):
+            raise TypeError(f"jerk_filter = {jerk_filter!r}: expected a JerkFilter or None")
+        fields = self.__dict__  # the way around `frozen`
+        fields["limits"], fields["dt"] = limits, positive("dt", dt)
+        fields["period"] = None if period is None else positive("period", period)
+        fields["jerk_filter"] = jerk_filter
+
+    @property
+    def order(self) -> int:
+        """Order of the limits."""
+        return self.limits.order
+
+    def rest(self, position: float) -> tuple[float, ...]:
+        """Return the state of rest at a position."""
+        return self._checked_state((position,))
+
+    def step(
+        self, state: Sequence[float], command: float, command_velocity: float = 0.0
+    ) -> tuple[float, ...]:
+        """Return the state one sample later.
+
+        Parameters
+        ----------
+        state : (position, velocity[, acceleration[, jerk]])
+            What an earlier step returned, or any state of motion; numbers left out are zero, and
+            the highest derivative is not used. Behind a jerk filter the lags follow, at rest at
+            the position where they are left out.
+        command : float
+            Position to go to.
+        command_velocity : float, optional
+            Velocity at which the command goes on; the nearest within the limits is used. A ramp
+            commanded with its velocity is followed without lag.
+
+        Returns
+        -------
+        tuple of float
+            Position and derivatives 1 … order, then the lags of the jerk filter. `output` tells
+            what comes out behind them.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are not finite, or too many of them.
+        """
+        command = finite("command", command)
+        velocity = finite("command_velocity", command_velocity)
+        begin = self._checked_state(state)
+        if self.order == 2 and self.jerk_filter is None:
+            (low, high), (slowest, fastest) = self.limits.bounds(1), self.limits.bounds(2)
+            return second_order.sample(
+                (begin[0], begin[1]),
+                *(command, min(max(velocity, low), high)),
+                second_order.Bounds(low, high, fastest, -slowest),
+                self.dt,
+                self.period,
+            )
+        rows, lags = self._states(begin, np.array([command]), np.array([velocity]))
+        return (*rows[:, 1].tolist(), *lags[:, 1].tolist())
+
+    def run(
+        self,
+        commands: ArrayLike,
+        *,
+        command_velocities: ArrayLike | None = None,
+        initial: Sequence[float] | None = None,
+    ) -> FollowerResponse:
+        """Return the response to a series of commands: `step`, over an array.
+
+        Parameters
+        ----------
+        commands : (N,) array
+            Command k is in force from k·dt to (k + 1)·dt.
+        command_velocities : float or (N,) array, optional
+            Velocities at which the commands go on during their samples. Default: zero.
+        initial : sequence of float, optional
+            State at time 0, as in `step`. Default: at rest at position 0.
+
+        Returns
+        -------
+        FollowerResponse
+            With one column of states per command, the state at the end of its sample.
+
+        Raises
+        ------
+        ValueError
+            For commands, velocities or a state that are not finite, or of the wrong shape.
+
+        Notes
+        -----
+        Order 2 is one loop of scalars, order 3 plans anew where the commands leave the course
+        that the last plan was made for.
+        """
+        given = finite_array("commands", commands)
+        if given.ndim != 1:
+            raise ValueError(f"commands has shape {given.shape}: expected (N,)")
+        speeds = finite_array(
+            "command_velocities", 0.0 if command_velocities is None else command_velocities
+        )
+        if speeds.shape not in ((), given.shape):
+            raise ValueError(
+                f"command_velocities has shape {speeds.shape}: expected {given.shape}, as commands"
+            )
+        begin = self._checked_state((0.0,) if initial is None else initial)
+        rows, lags = self._states(begin, given, np.broadcast_to(speeds, given.shape))
+        if self.jerk_filter is not None:
+            rows = output(rows, lags, self.jerk_filter.omega)
+        time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
+        return FollowerResponse(time, given, rows[:, 1:])
+
+    def output(self, state: Sequence[float]) -> tuple[float, ...]:
+        """Return position and derivatives 1 … order that come out in a state.
+
+        Those of the state itself, without a jerk filter.
+        """
+        full = np.array(self._checked_state(state))
+        if self.jerk_filter is None:
+            return tuple(full.tolist())
+        own = self.order + 1
+        return tuple(output(full[:own], full[own:], self.jerk_filter.omega).tolist())
+
+    def _checked_state(self, state: Sequence[float]) -> tuple[float, ...]:
+        """Return the state as order + 1 numbers and the lags."""
+        lags = 0 if self.jerk_filter is None else self.jerk_filter.order
+        own = self.order + 1
+        if not (1 <= len(state) <= own or len(state) == own + lags):
+            raise ValueError(
+                f"state of {len(state)} numbers: expected position and up to {self.order} "
+                f"derivatives" + (f", or those and {lags} lags" if lags else "")
+            )
+        numbers = [finite("state", value) for value in state]
+        if len(numbers) <= own:
+            numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
+        return tuple(numbers)
+
+    def _states(
+        self, begin: tuple[float, ...], commands: FloatArray, velocities: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return states (order + 1, N + 1) before the filter, and lags (m, N + 1).
+
+        Both begin with the initial ones.
+        """
+        own = self.order + 1
+        low, high = self.limits.bounds(1)
+        kept, bounds = np.clip(velocities, low, high), self._bounds()
+        if self.order == 2:
+            of_order_2 = second_order.Bounds(low, high, bounds.a_max, -bounds.a_min)
+            rows = second_order.follow(
+                (begin[0], begin[1]), commands, kept, of_order_2, self.dt, self.period
+            )
+        else:
+            rows = third_order.follow(
+                (begin[0], begin[1], begin[2]), commands, kept, bounds, self.dt, self.period
+            )
+        states = np.empty((own, len(commands) + 1))
+        states[:, 0], states[:, 1:] = begin[:own], rows
+        if self.jerk_filter is None:
+            return states, np.empty((0, states.shape[1]))
+        return states, self._lags(
+            self.jerk_filter, begin[own:], states, commands.tolist(), kept.tolist()
+        )
+
+    def _bounds(self) -> Task:
+        """Return a task of which only the bounds count."""
+        (fall, rise), (v_min, v_max) = self.limits.bounds(3), self.limits.bounds(1)
+        nothing = (0.0, 0.0, 0.0, 0.0, 0.0)
+        return Task(*nothing, v_min, v_max, *self.limits.bounds(2), -fall, rise)
+
+    def _lags(
+        self,
+        jerk_filter: JerkFilter,
+        initial: Sequence[float],
+        states: FloatArray,
+        commands: Sequence[float],
+        velocities: Sequence[float],
+    ) -> FloatArray:
+        """Return the lags (m, N + 1) behind the states."""
+        lags = Lags(jerk_filter, self.order, self.dt)
+        rows, bounds = states.T.tolist(), self._bounds()
+        history = [np.array(initial)]
+        for before, after, r, u in zip(rows, rows[1:], commands, velocities, strict=False):
+            if one_piece(before, after, self.dt):
+                motion = [*before[:-1], after[-1]]
+                history.append(lags.after_sample(history[-1], motion))
+                continue
+            if self.period is not None:
+                r = before[0] - remainder(before[0] - r, self.period)
+            relative = before[0] - r, before[1] - u, before[2]
+            seen = approach(relative, r, u, bounds)
+            history.append(lags.after_pieces(history[-1], _absolute(seen, r, u)))
+        return np.array(history).T
+
+
+def _absolute(seen: list[Piece], command: float, velocity: float) -> list[Piece]:
+    """Return pieces seen from a moving command as they are."""
+    pieces, time = [], 0.0
+    for duration, (e, w, *higher) in seen:
+        row = (command + velocity * time + e, velocity + w, *higher)
+        pieces.append((duration, row))
+        time += duration
+    return pieces

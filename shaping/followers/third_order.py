@@ -1,0 +1,46 @@
+"""Following with bounded jerk: a minimum-time motion, planned anew when the command changes.
+
+Seen from the command, which moves at its own constant velocity, the motion is one to rest at
+zero. The plan is kept as long as the commands stay on that course.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import remainder
+
+import numpy as np
+
+from ..pieces import FloatArray
+from ..transfers.task import ROUNDING, Task
+from .approach import along, approach, courses
+
+
+def follow(
+    start: tuple[float, float, float],
+    commands: FloatArray,
+    velocities: FloatArray,
+    bounds: Task,
+    dt: float,
+    period: float | None = None,
+) -> FloatArray:
+    """Return position, velocity, acceleration and jerk (4, N) at the end of each sample.
+
+    As `second_order.follow`; the bounds are those of a task. The jerk is the one in force when
+    the sample ends.
+    """
+    x, v, a = start
+    rows = np.empty((4, len(commands)))
+    for i, j in pairwise(courses(commands, velocities, dt).tolist()):
+        r, u = float(commands[i]), float(velocities[i])
+        if period is not None:
+            r = x - remainder(x - r, period)
+        plan = approach((x - r, v - u, a), r, u, bounds)
+        rows[:, i:j] = along(plan, dt, j - i)
+        rows[0, i:j] += (r - commands[i]) + commands[i:j] + u * dt
+        rows[1, i:j] += u
+        x, v, a, _ = rows[:, j - 1].tolist()
+    for bound in (bounds.v_min, bounds.v_max):
+        speeds = rows[1] / bound
+        rows[1, (speeds > 1.0) & (speeds <= 1.0 + ROUNDING)] = bound
+    return rows

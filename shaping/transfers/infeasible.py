@@ -1,0 +1,85 @@
+"""What cannot be reached within limits, and the nearest that can."""
+
+from __future__ import annotations
+
+from math import isfinite, sqrt
+
+from ..derivatives import derivative_name
+from ..limits import Limits
+from .brake import inside
+
+
+class InfeasibleError(ValueError):
+    """Raised for an end that no motion within the limits reaches.
+
+    Attributes
+    ----------
+    bound : str
+        The derivative whose bound stands in the way: "velocity" or "acceleration".
+    nearest : float
+        The nearest value that can be reached, of the end's velocity or acceleration, as the
+        message says.
+    """
+
+    def __init__(self, message: str, bound: str, nearest: float) -> None:
+        super().__init__(message)
+        self.bound, self.nearest = bound, nearest
+
+    def __reduce__(self) -> tuple[type[InfeasibleError], tuple[str, str, float]]:
+        """Return what it takes to send the error to another process."""
+        return InfeasibleError, (str(self), self.bound, self.nearest)
+
+
+def check_end(velocity: float, acceleration: float, limits: Limits) -> None:
+    """Refuse an end outside the bounds."""
+    within = _velocities(acceleration, limits), _accelerations(velocity, limits)
+    for k, value, reachable in zip((1, 2), (velocity, acceleration), within, strict=True):
+        low, high = limits.bounds(k)
+        if not low <= inside(value, low, high) <= high:
+            nearest = min(max(value, reachable[0]), reachable[1])
+            raise InfeasibleError(
+                f"end {derivative_name(k)} = {value!r} is outside its bounds ({low:g}, {high:g}): "
+                f"the nearest that can be reached is {nearest!r}",
+                derivative_name(k),
+                nearest,
+            )
+
+
+def _velocities(acceleration: float, limits: Limits) -> tuple[float, float]:
+    """Return the lowest and highest velocity at which an acceleration can be built up from zero."""
+    low, high = limits.bounds(1)
+    a = min(max(acceleration, limits.bounds(2)[0]), limits.bounds(2)[1])
+    gain = 0.5 * a * a / limits.bounds(3)[1 if a > 0.0 else 0]
+    return (low + gain, high) if gain > 0.0 else (low, high + gain)
+
+
+def _accelerations(velocity: float, limits: Limits) -> tuple[float, float]:
+    """Return the lowest and highest acceleration that can be built up from zero at a velocity."""
+    (low, high), (fall, rise) = limits.bounds(1), limits.bounds(3)
+    v = min(max(velocity, low), high)
+    most, least = limits.bounds(2)[1], limits.bounds(2)[0]
+    if isfinite(rise):
+        least = max(least, -sqrt(-2.0 * fall * (high - v)))
+        most = min(most, sqrt(2.0 * rise * (v - low)))
+    return least, most
+
+
+def unreachable(velocity: float, acceleration: float, limits: Limits) -> InfeasibleError:
+    """Return the error for an end within its bounds to which no motion within bounds leads.
+
+    Acceleration a1 > 0 is built up from zero at a velocity of at most v1 − a1²/(2·rise), which
+    is below the bound; the other way round for a1 < 0.
+    """
+    bound, jerk = limits.bounds(1)[0], limits.bounds(3)[1]
+    if acceleration < 0.0:
+        bound, jerk = limits.bounds(1)[1], limits.bounds(3)[0]
+    before = velocity - 0.5 * acceleration**2 / jerk
+    least, most = _accelerations(velocity, limits)
+    nearest = most if acceleration > 0.0 else least
+    return InfeasibleError(
+        f"end acceleration = {acceleration!r} at velocity {velocity!r} cannot be reached within "
+        f"the velocity bound {bound:g}: building it up takes a velocity of {before!r} before; the "
+        f"nearest acceleration that can be reached at that velocity is {nearest!r}",
+        "velocity",
+        nearest,
+    )

@@ -1,0 +1,228 @@
+"""S-curve plans whose bounds tell speeding up from slowing down.
+
+A plan goes one way: to a peak velocity, on at it, to the final velocity. Where it must turn
+round it stops first, because at zero velocity the bounds for slowing down give way to those for
+speeding up. Ways are planned in the positive direction, and mirrored for the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from .planner import fastest, mirrored
+from .task import ROUNDING, Piece, Task, taylor
+from .velocity_change import change_velocity
+
+Pieces = list[Piece]
+Motion = tuple[float, float, float]
+"""Position, velocity, acceleration."""
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How fast a motion may speed up and slow down.
+
+    With a jerk percent p the jerks are not used: every ramp lasts as long as at constant
+    acceleration A, and its jerk acts in p/2 of it at either end; so its peak acceleration is
+    A/(1 − p/2).
+    """
+
+    velocity: float
+    acceleration: float
+    deceleration: float
+    acceleration_jerk: float
+    deceleration_jerk: float
+    jerk_percent: float | None = None
+
+
+def plan(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
+    """Return the pieces of a motion from a state to a position, passed at a final velocity.
+
+    With a jerk percent the acceleration at the beginning is taken for zero.
+    """
+    if rates.jerk_percent is not None:
+        begin = begin[0], begin[1], 0.0
+    course = begin[1] or begin[2] or target - begin[0]
+    if course < 0.0:
+        opposite = -begin[0], -begin[1], -begin[2]
+        return mirrored(plan_ahead(opposite, -target, -final_velocity, rates))
+    return plan_ahead(begin, target, final_velocity, rates)
+
+
+def stopping_place(begin: Motion, final_velocity: float, rates: Rates) -> float:
+    """Return the nearest position that can be passed at a final velocity without turning round."""
+    sign = 1.0 if (begin[1] or begin[2] or final_velocity) >= 0.0 else -1.0
+    _, state = _ease((sign * begin[0], sign * begin[1], sign * begin[2]), rates)
+    return sign * (state[0] + _distance(_leg(state, max(sign * final_velocity, 0.0), rates)))
+
+
+def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
+    """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
+    eased, begin = _ease(begin, rates)
+    if _settling(begin[1], begin[2], rates) < 0.0:
+        first, state = _to_zero(begin, rates)
+        return eased + first + plan(state, target, final_velocity, rates)
+    direct = _one_way(begin, target, final_velocity, rates)
+    if direct is not None:
+        return eased + direct
+    stop = eased + _leg(begin, 0.0, rates)
+    x = taylor(stop[-1][1], stop[-1][0])[0] if stop else begin[0]
+    runway = _distance(_leg((0.0, 0.0, 0.0), abs(final_velocity), rates))
+    if final_velocity > 0.0 and target - x >= runway:
+        return stop + _from_rest(x, target, final_velocity, rates)
+    if final_velocity < 0.0 and x - target >= runway:
+        return stop + mirrored(_from_rest(-x, -target, -final_velocity, rates))
+    runway = runway if final_velocity > 0.0 else -runway
+    if target - runway >= x:
+        across = _from_rest(x, target - runway, 0.0, rates)
+    else:
+        across = mirrored(_from_rest(-x, runway - target, 0.0, rates))
+    if final_velocity >= 0.0:
+        return stop + across + _leg((target - runway, 0.0, 0.0), final_velocity, rates)
+    last = _leg((runway - target, 0.0, 0.0), -final_velocity, rates)
+    return stop + across + mirrored(last)
+
+
+def _from_rest(x: float, target: float, final_velocity: float, rates: Rates) -> Pieces:
+    pieces = _one_way((x, 0.0, 0.0), target, final_velocity, rates)
+    assert pieces is not None  # from rest, with the runway, there always is a way
+    return pieces
+
+
+def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces | None:
+    """Return the plan that never goes back, None where there is none."""
+    x, v, a = begin
+    if final_velocity < 0.0:
+        return None
+    distance = target - x
+    low, high = max(_settling(v, a, rates), final_velocity), max(rates.velocity, final_velocity)
+
+    def missing(peak: float) -> float:
+        ends = _leg(begin, peak, rates), _leg((0.0, peak, 0.0), final_velocity, rates)
+        return distance - _distance(ends[0]) - _distance(ends[1])
+
+    rest = missing(high)
+    if rest >= 0.0:
+        return _by_way_of(high, rest / high if high else 0.0, begin, target, final_velocity, rates)
+    slack = ROUNDING * (abs(distance) + abs(x) + abs(target))
+    if low < high and missing(low) >= -slack:
+        peak = _largest(low, high, missing)
+        return _by_way_of(peak, 0.0, begin, target, final_velocity, rates)
+    if a > 0.0 or final_velocity > v or rates.jerk_percent is not None:
+        return None
+    return _slowing(begin, target, final_velocity, rates)
+
+
+def _largest(low: float, high: float, missing: Callable[[float], float]) -> float:
+    """Return the largest peak velocity at which some of the distance is still missing."""
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if missing(middle) >= 0.0 else (low, middle)
+    return low
+
+
+def _by_way_of(
+    peak: float, cruise: float, begin: Motion, target: float, final_velocity: float, rates: Rates
+) -> Pieces:
+    """Return the plan to a peak velocity, kept for a time, and to the final one at the target."""
+    first = _leg(begin, peak, rates)
+    last = _leg((0.0, peak, 0.0), final_velocity, rates)
+    shift = target - _distance(last)
+    x = begin[0] + _distance(first)
+    return [
+        *first,
+        (cruise, (x, peak, 0.0, 0.0)),
+        *((duration, (shift + row[0], *row[1:])) for duration, row in last),
+    ]
+
+
+def _slowing(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces | None:
+    """Return the fastest plan that slows down all the way, None where there is none."""
+    x, v, a = begin
+    task = Task(
+        target - x,
+        *(v, a, final_velocity, 0.0),
+        *(0.0, v, -rates.deceleration, rates.deceleration),
+        *(rates.deceleration_jerk, rates.deceleration_jerk),
+        resolution=ROUNDING * max(abs(x), abs(target)),
+    )
+    pieces = fastest(task, x, target)
+    if pieces is None or max(row[2] for _, row in pieces) > ROUNDING * rates.deceleration:
+        return None
+    return pieces
+
+
+def _settling(v: float, a: float, rates: Rates) -> float:
+    """Return the velocity at which acceleration has gone to zero as fast as it may."""
+    jerk = rates.acceleration_jerk if a > 0.0 else -rates.deceleration_jerk
+    return v + 0.5 * a * a / jerk if a else v
+
+
+def _ease(begin: Motion, rates: Rates) -> tuple[Pieces, Motion]:
+    """Return how an acceleration beyond its bounds is brought inside, and the state then."""
+    x, v, a = begin
+    kept = min(max(a, -rates.deceleration), rates.acceleration)
+    if kept == a or rates.jerk_percent is not None:
+        return [], begin
+    jerk = -rates.acceleration_jerk if a > kept else rates.deceleration_jerk
+    piece = (kept - a) / jerk, (x, v, a, jerk)
+    later = taylor(piece[1], piece[0])
+    return [piece], (later[0], later[1], kept)
+
+
+def _to_zero(begin: Motion, rates: Rates) -> tuple[Pieces, Motion]:
+    """Return the way to zero velocity of a motion that slows down too hard not to pass it."""
+    x, v, a = begin
+    jerk = rates.deceleration_jerk
+    duration = 2.0 * v / (sqrt(a * a - 2.0 * jerk * v) - a)
+    piece = duration, (x, v, a, jerk)
+    later = taylor(piece[1], duration)
+    return [piece], (later[0], 0.0, later[2])
+
+
+def _leg(begin: Motion, velocity: float, rates: Rates) -> Pieces:
+    """Return the fastest change to a velocity ≥ 0 kept from then on."""
+    x, v, a = begin
+    if rates.jerk_percent is not None:
+        return _percent_leg(x, v, velocity, rates, rates.jerk_percent)
+    settling = _settling(v, a, rates)
+    speeding = velocity > settling
+    eased: Pieces = []
+    if a and (a > 0.0) != speeding:  # first the acceleration goes to zero
+        jerk = -rates.acceleration_jerk if a > 0.0 else rates.deceleration_jerk
+        eased = [(-a / jerk, (x, v, a, jerk))]
+        x, v, a = taylor(eased[0][1], eased[0][0])[0], settling, 0.0
+    bound = rates.acceleration if speeding else rates.deceleration
+    jerk = rates.acceleration_jerk if speeding else rates.deceleration_jerk
+    task = Task(0.0, v, a, velocity, 0.0, -inf, inf, -bound, bound, jerk, jerk)
+    change = change_velocity(task)
+    return eased + [piece for piece in change.pieces(x) if piece[0] > 0.0]
+
+
+def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: float) -> Pieces:
+    """Return a ramp that lasts as long as at constant acceleration."""
+    change = velocity - v
+    if change == 0.0:
+        return []
+    speeding = velocity > v
+    duration = abs(change) / (rates.acceleration if speeding else rates.deceleration)
+    curved, straight = 0.5 * percent * duration, (1.0 - percent) * duration
+    peak = change / duration / (1.0 - 0.5 * percent)
+    held = (x, v, peak, 0.0)
+    if not curved:
+        return [(duration, held)]
+    jerk = peak / curved
+    first = (curved, (x, v, 0.0, jerk))
+    x, v = taylor(first[1], curved)[:2]
+    second = (straight, (x, v, peak, 0.0))
+    x, v = taylor(second[1], straight)[:2]
+    return [first, second, (curved, (x, v, peak, -jerk))]
+
+
+def _distance(pieces: Pieces) -> float:
+    """Return the distance from the start of the pieces to their end."""
+    if not pieces:
+        return 0.0
+    duration, row = pieces[-1]
+    return taylor(row, duration)[0] - pieces[0][1][0]

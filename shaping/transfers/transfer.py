@@ -1,0 +1,116 @@
+"""Transfers between two states of motion in minimum time."""
+
+from __future__ import annotations
+
+from ..checks import in_range
+from ..limits import Limits
+from .infeasible import unreachable
+from .problem import Problem, State, Transfer, check_order, checked_state
+from .velocity_change import change_velocity
+
+
+def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
+    """Return the fastest motion from one state to another within limits of order 2 or 3.
+
+    Parameters
+    ----------
+    start, end : (position, velocity[, acceleration])
+        In the limits' units. Numbers left out are zero; a single number is a position at rest.
+        Acceleration is part of the state for order 3 only. The highest derivative may follow, as
+        `trajectory.evaluate(t)` gives it; it may jump and is not used.
+    limits : Limits
+        Of order 2 (velocity and acceleration) or 3 (and jerk), each bound the same in both
+        directions or not, velocity and acceleration bounded or not.
+
+    Returns
+    -------
+    Transfer
+        Starting at time 0, of order 2 or 3. A start outside its bounds, or bound to leave them,
+        is brought inside as fast as the limits allow, and the transfer planned from there:
+        `inside_after` is the time that this takes.
+
+    Raises
+    ------
+    InfeasibleError
+        Where the end cannot be reached within the limits. It names the bound and the nearest
+        value that can be reached.
+    ValueError
+        For numbers that are not finite, limits of another order, a highest bound in one direction
+        only, or times outside the range of a double.
+
+    Notes
+    -----
+    The minimum is exact: the structures of both families (`third_order`) are enumerated, and the
+    one unknown of each is found to the last bit. End state and bounds hold to 1e-10 relative to
+    the motion's own scale, and neither depends on the units: problems are scaled by powers of
+    two first. Only the way to the end is held to the limits; an end at v_max with acceleration
+    left is reached, and leaves them afterwards.
+
+    References
+    ----------
+    Thompson, "Snap, Crackle, and Pop", Section II (order 2); Berscheid & Kröger, 2021 (order 3).
+
+    Examples
+    --------
+    >>> limits = Limits(velocity=1.0, acceleration=1.0, jerk=2.0)
+    >>> round(min_time_transfer((0.0, 0.3), 1.0, limits).duration, 10)
+    2.2319602829
+    """
+
+    def planned() -> Transfer:
+        problem = Problem(start, end, limits)
+        transfer = problem.fastest()
+        if transfer is None:
+            raise unreachable(*problem.end[1:], limits)
+        return transfer
+
+    return in_range(planned)
+
+
+def velocity_transfer(
+    start: State, velocity: float, limits: Limits, *, acceleration: float = 0.0
+) -> Transfer:
+    """Return the fastest change to another velocity, wherever it ends.
+
+    Parameters
+    ----------
+    start : (position, velocity[, acceleration])
+        As in `min_time_transfer`.
+    velocity : float
+        At the end.
+    limits : Limits
+        Of order 2 or 3.
+    acceleration : float, optional
+        At the end; order 3 only.
+
+    Returns
+    -------
+    Transfer
+        Starting at time 0.
+
+    Raises
+    ------
+    InfeasibleError, ValueError
+        As in `min_time_transfer`.
+
+    References
+    ----------
+    MEI, "S-Curve Jerk Algorithm": velocity moves.
+
+    Examples
+    --------
+    >>> spin_up = velocity_transfer(0.0, 2.0, Limits(acceleration=1.0, jerk=1.0))
+    >>> spin_up.duration, float(spin_up.end_state[0])
+    (3.0, 3.0)
+    """
+    check_order(limits)
+    position, v0, a0 = checked_state("start", start, limits)
+
+    def planned() -> Transfer:
+        problem = Problem((position, v0, a0), (position, velocity, acceleration), limits)
+        change = change_velocity(problem.task)
+        if change.leaves_bounds():
+            raise unreachable(*problem.end[1:], limits)
+        return problem.assemble(change.pieces(problem.position), problem.position + change.distance)
+
+    return in_range(planned)
