@@ -10,9 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from ..shaping import Trajectory
-from ..shaping.derivatives import derivative_name
-
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -251,57 +248,6 @@ def plot_wrong_inertia(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     )
     title = f"Tracking error with a wrong Ĵ: {move.name}"
     return _finish(ax, title, "time [s]", f"command − position [{unit}]")
-
-
-def plot_trajectory(
-    trajectory: Trajectory, *, unit: str = "", time_unit: str = "s", scale: float = 1.0
-) -> Figure:
-    """Return a picture of a trajectory: position and every derivative, one panel each.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-    unit, time_unit : str, optional
-        For the labels.
-    scale : float, optional
-        Trajectory units per `unit`.
-    """
-    rows = trajectory.order + 1
-    figure = Figure(figsize=(8.0, 1.6 * rows + 0.6), layout="constrained")
-    panels = figure.subplots(rows, 1, sharex=True)
-    time = _curve_times(trajectory)
-    for k, ax in enumerate(panels):
-        ax.plot(time, trajectory(time, k) / scale, color=_BLUE)
-        ax.set_ylabel(derivative_name(k) + _unit_label(unit, time_unit, k))
-        ax.grid(alpha=0.3)
-        for switch in trajectory.switch_times:
-            ax.axvline(switch, color=_GREY, linewidth=0.5, linestyle=":")
-    panels[-1].set_xlabel(f"time [{time_unit}]")
-    figure.align_ylabels(panels)
-    return figure
-
-
-def _curve_times(trajectory: Trajectory) -> FloatArray:
-    """Return times at which a trajectory is drawn: both sides of every jump."""
-    if not len(trajectory.states):
-        return trajectory.breaks
-    inside = [
-        np.linspace(
-            left, np.nextafter(right, left), max(_CURVE_POINTS // len(trajectory.states), 8)
-        )
-        for left, right in zip(trajectory.breaks[:-1], trajectory.breaks[1:], strict=True)
-    ]
-    return np.concatenate([*inside, trajectory.breaks[-1:]])
-
-
-def _unit_label(unit: str, time_unit: str, k: int) -> str:
-    if not unit:
-        return ""
-    return f"\n[{unit}]" if k == 0 else f"\n[{unit}/{time_unit}{_superscript(k)}]"
-
-
-def _superscript(k: int) -> str:
-    return "" if k == 1 else str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _make_room(ax: Axes, *, above: float = 0.05, below: float = 0.05) -> None:

@@ -12,7 +12,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from jounce.analysis import load_scenario, plots, survey
-from jounce.shaping import Limits, min_time_move
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OF_SURVEY = ("plot_loop_gain", "plot_loop_phase", "plot_nichols", "plot_sensitivities")
@@ -222,43 +221,3 @@ def test_names_are_drawn_as_they_are(name):
     assert figure.get_suptitle().replace("\\$", "$") == name
     titles = [figure._suptitle, *(ax.title for ax in figure.axes if "$" in ax.get_title())]
     assert not any(t.get_parse_math() and "$" in t.get_text().replace("\\$", "") for t in titles)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3, 6, 10])
-def test_trajectories(order):
-    limits = Limits.from_bounds([*[None] * (order - 1), 4.0**order])
-    move = min_time_move(-2.0, limits, start=1.0)
-    figure = plots.plot_trajectory(move, unit="mm", scale=0.5)
-    assert isinstance(figure, Figure)
-    assert len(figure.axes) == order + 1
-    assert figure.axes[0].get_ylabel() == "position\n[mm]"
-    assert figure.axes[1].get_ylabel() == "velocity\n[mm/s]"
-    assert figure.axes[-1].get_xlabel() == "time [s]"
-    if order >= 2:
-        assert "[mm/s²]" in figure.axes[2].get_ylabel()
-    if order == 10:
-        assert "[mm/s¹⁰]" in figure.axes[10].get_ylabel()
-    time, position = figure.axes[0].lines[0].get_data()
-    assert position[[0, -1]] == pytest.approx([2.0, -2.0])
-    assert time[[0, -1]] == pytest.approx([0.0, move.duration])
-    for k, ax in enumerate(figure.axes):
-        values = ax.lines[0].get_ydata()
-        if k > 0:
-            assert np.abs(values).max() == pytest.approx(move.peak(k) / 0.5, rel=1e-2)
-    if order == 2:
-        render(figure)
-
-
-def test_the_jumps_of_the_highest_derivative_are_upright():
-    move = min_time_move(1.0, Limits(jerk=32.0))
-    time, jerk = plots.plot_trajectory(move, unit="m").axes[-1].lines[0].get_data()
-    for switch in move.switch_times[1:-1]:
-        near = np.flatnonzero(np.abs(time - switch) < 1e-12)
-        assert sorted(jerk[near]) == pytest.approx([-32.0, 32.0])
-
-
-def test_a_trajectory_without_a_unit_or_motion():
-    for distance in (1.0, 0.0):
-        figure = plots.plot_trajectory(min_time_move(distance, Limits(acceleration=1.0)))
-        assert "[]" not in figure.axes[0].get_ylabel()
-        render(figure)
