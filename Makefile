@@ -27,7 +27,7 @@ format: $(VENV)/.installed-dev
 	$(BIN)/ruff format .
 
 readme: $(VENV)/.installed-dev
-	$(BIN)/python docs/readme.py tree precision picture
+	$(BIN)/python docs/readme.py tree precision robustness picture
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator
+from itertools import islice
 from math import pi
 from pathlib import Path
 
@@ -17,7 +18,15 @@ import references  # noqa: E402  (the tests' own constants)
 
 from jounce.analysis import loop_margins  # noqa: E402
 from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid  # noqa: E402
-from jounce.shaping import JerkFilter, Limits, Trajectory, min_time_move  # noqa: E402
+from jounce.shaping import (  # noqa: E402
+    InfeasibleError,
+    JerkFilter,
+    Limits,
+    Trajectory,
+    Transfer,
+    min_time_move,
+    min_time_transfer,
+)
 from jounce.shaping.pieces import advance  # noqa: E402
 
 PROBLEMS = 60  # random moves per order
@@ -37,6 +46,30 @@ def random_moves() -> Iterator[tuple[float, Limits, Trajectory]]:
             ]
             limits = Limits.from_bounds(bounds)
             yield distance, limits, min_time_move(distance, limits)
+
+
+def random_transfers() -> Iterator[tuple[tuple[float, ...], Limits, Transfer]]:
+    """Yield ends, limits and transfers of order 2 and 3, random states, bounds and units."""
+    rng = np.random.default_rng(20261)
+    while True:
+        time, distance = 10.0 ** rng.uniform(-6.0, 6.0, 2)
+        order = int(rng.integers(2, 4))
+        units = distance / time ** np.arange(order + 1)
+        bounds = 10.0 ** rng.uniform(-1.0, 1.0, (order, 2)) * [-1.0, 1.0]
+        states = rng.normal(size=(2, order))
+        states[:, 1:] = rng.uniform(*bounds[: order - 1].T, (2, order - 1))
+        start, end = (tuple((state * units[:order]).tolist()) for state in states)
+        limits = Limits.from_bounds([tuple(pair) for pair in (bounds.T * units[1:]).T.tolist()])
+        try:
+            yield end, limits, min_time_transfer(start, end, limits)
+        except InfeasibleError:
+            continue
+
+
+def end_error(end: tuple[float, ...], transfer: Transfer) -> float:
+    """Return the largest error of the end state, relative to the peaks on the way."""
+    last = advance(transfer.states[-1], float(transfer.durations[-1]))
+    return max(abs(last[k] - end[k]) / transfer.peak(k) for k in range(transfer.order))
 
 
 def jump(move: Trajectory) -> float:
@@ -105,6 +138,7 @@ def gaps() -> dict[int, float]:
 def table() -> str:
     """Return the precision table in Markdown."""
     moves = list(random_moves())
+    transfers = list(islice(random_transfers(), 2000))
     rows: list[tuple[str, float, Callable[[], float]]] = [
         (
             "end position of a move, over its distance (orders 1 to 10, 12 decades of units)",
@@ -120,6 +154,16 @@ def table() -> str:
             "jump of a derivative below n at a break, over its peak",
             references.CONTINUITY,
             lambda: max(jump(m) for _, _, m in moves),
+        ),
+        (
+            "end state of a transfer, over the peaks on the way (orders 2 and 3, 12 decades)",
+            references.TRANSFER_END,
+            lambda: max(end_error(end, t) for end, _, t in transfers),
+        ),
+        (
+            "excess of a transfer over a bound, relative",
+            references.TRANSFER_BOUND,
+            lambda: max(t.violation(limits) for _, limits, t in transfers if not t.inside_after),
         ),
         ("response on two time grids, 1000 to 1, over its peak", references.RESPONSE, filter_error),
         ("tracking error with Ĵ = J, over the distance", references.RESPONSE, feedforward_error),

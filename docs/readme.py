@@ -1,6 +1,6 @@
 """Regenerate the README's parts that are measured or listed, not written.
 
-Run: python docs/readme.py tree precision picture benchmarks   (any of them; or `make readme`)
+Run: python docs/readme.py tree precision robustness picture benchmarks   (any; or `make readme`)
 """
 
 from __future__ import annotations
@@ -34,11 +34,19 @@ def tree() -> str:
     """Return the tree map: every source file with the first line of its docstring."""
     lines = []
     for folder in FOLDERS:
-        files = sorted(p for p in (ROOT / folder).glob("*") if p.suffix in (".py", ".toml"))
         lines.append((f"{folder}/", _about_folder(folder)))
-        lines += [(f"  {p.name}", about) for p in files if (about := _about_file(p))]
+        lines += _files(ROOT / folder, "  ")
+        if (ROOT / folder / "__init__.py").exists():
+            for inner in sorted(p.parent for p in (ROOT / folder).glob("*/__init__.py")):
+                lines.append((f"  {inner.name}/", _first_line(inner / "__init__.py")))
+                lines += _files(inner, "    ")
     width = max(len(name) for name, _ in lines) + 2
     return "\n".join(["```", *(f"{name:{width}s}{about}" for name, about in lines), "```"])
+
+
+def _files(folder: Path, indent: str) -> list[tuple[str, str]]:
+    files = sorted(p for p in folder.glob("*") if p.suffix in (".py", ".toml"))
+    return [(f"{indent}{p.name}", about) for p in files if (about := _about_file(p))]
 
 
 def _about_folder(folder: str) -> str:
@@ -76,12 +84,18 @@ def precision() -> str:
     return str(importlib.import_module("precision").table())
 
 
+def robustness() -> str:
+    """Return the counts of the edge grid."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    return str(importlib.import_module("robustness").table())
+
+
 def benchmarks() -> str:
     """Return the tables of every benchmark, with date and machine."""
     sys.path.insert(0, str(ROOT / "benchmarks"))
     timing = importlib.import_module("timing")
     parts = [f"Measured {datetime.now(UTC):%Y-%m-%d} on {_machine()}; medians of one run."]
-    for name in ("evaluation", "design", "response", "startup"):
+    for name in ("evaluation", "design", "transfers", "following", "response", "startup"):
         module = importlib.import_module(name)
         title = str(module.__doc__).splitlines()[0]
         parts.append(f"**{title}** (`benchmarks/{name}.py`)")
@@ -113,7 +127,12 @@ def picture() -> None:
 
 def main(parts: list[str]) -> None:
     """Regenerate the parts named."""
-    makers = {"tree": tree, "precision": precision, "benchmarks": benchmarks}
+    makers = {
+        "tree": tree,
+        "precision": precision,
+        "robustness": robustness,
+        "benchmarks": benchmarks,
+    }
     unknown = set(parts) - {*makers, "picture"}
     if unknown or not parts:
         raise SystemExit(f"expected some of: {', '.join([*makers, 'picture'])}; got {parts}")
