@@ -353,20 +353,32 @@ class Trajectory:
             raise ValueError(
                 f"time = {time!r} is before the start: expected at least {self.start_time!r}"
             )
+        if time >= self.end_time:
+            return self._coasting_until(time)
         last = self.evaluate(time)
         last[-1] = 0.0
         begun = self.breaks[:-1] < time
-        breaks, states = np.append(self.breaks[:-1][begun], time), self.states[begun]
         durations = self.durations[begun].copy()
-        if time > self.end_time:
-            coasting = self.end_state.copy()
-            coasting[self.coasting + 1 :] = 0.0
-            breaks = np.append(self.breaks, time)
-            states = np.vstack([states, coasting])
-            durations = np.append(durations, time - self.end_time)
-        elif len(durations):
+        breaks = np.append(self.breaks[:-1][begun], time)
+        if len(durations):
             durations[-1] = min(durations[-1], time - breaks[-2])
-        return Trajectory(breaks, states, durations, last, self.coasting)
+        return Trajectory(breaks, self.states[begun], durations, last, self.coasting)
+
+    def _coasting_until(self, time: float) -> Trajectory:
+        if time == self.end_time:
+            return Trajectory(
+                self.breaks, self.states, self.durations, self.end_state, self.coasting
+            )
+        state = self.end_state.copy()
+        state[self.coasting + 1 :] = 0.0
+        span = time - self.end_time
+        return Trajectory(
+            np.append(self.breaks, time),
+            np.vstack([self.states, state]),
+            np.append(self.durations, span),
+            advance(state, span),
+            self.coasting,
+        )
 
     def then(self, following: Trajectory, *, dwell: float = 0.0) -> Trajectory:
         """Append another motion, moved in time and position to begin where this one ends.

@@ -283,7 +283,7 @@ class CommandFollower:
             if self.period is not None:
                 r = before[0] - remainder(before[0] - r, self.period)
             relative = before[0] - r, before[1] - u, before[2]
-            seen = approach(relative, r, u, bounds)
+            seen = approach(relative, before[0], u, bounds, self.dt)
             history.append(lags.after_pieces(history[-1], _absolute(seen, r, u)))
         return np.array(history).T
 

@@ -8,7 +8,7 @@ directions is written out: a call or a sign would cost more than the mathematics
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import pairwise, repeat
 from math import inf, remainder, sqrt
 from typing import NamedTuple
@@ -17,7 +17,7 @@ import numpy as np
 
 from ..pieces import FloatArray
 from ..transfers.task import Task
-from .approach import along, approach, courses
+from .approach import courses, follow_course
 
 _RESOLUTION = 2.0**-50  # of a command's position: what is nearer is there
 _ROUNDED_UP = 1.0 + 2.0**-50
@@ -63,64 +63,30 @@ def follow(
     """
     rows = np.empty((3, len(commands)))
     edges = courses(commands, velocities, dt)
-    long = np.flatnonzero(np.diff(edges) >= _LONG)
-    parts = np.unique(np.concatenate([[0], edges[long], edges[long + 1], [len(commands)]]))
+    long = edges[:-1][np.diff(edges) >= _LONG]
+    parts = np.unique([0, *long, *edges[1:][np.diff(edges) >= _LONG], len(commands)])
+    v_min, v_max, up, down = bounds
+    task = Task(0.0, 0.0, 0.0, 0.0, 0.0, v_min, v_max, -down, up, inf, inf)
     for i, j in pairwise(parts.tolist()):
-        some, held = slice(i, j), i in edges[long]
-        part = _held if held else _changing
-        rows[:, some] = part(start, commands[some], velocities[some], bounds, dt, period)
+        some = slice(i, j)
+        if i in long:
+            state, velocity = (*start, 0.0), float(velocities[i])
+            rows[:, some] = follow_course(state, commands[some], velocity, task, dt, period)
+        else:
+            each = _samples(commands[some], velocities[some])
+            rows[:, some] = _follow(start, each, bounds, dt, period)
         start = float(rows[0, j - 1]), float(rows[1, j - 1])
-    for bound in (bounds.v_min, bounds.v_max):
+    for bound in (v_min, v_max):
         speeds = rows[1] / bound
         rows[1, (speeds > 1.0) & (speeds <= _ROUNDED_UP)] = bound
     return rows
 
 
-def _held(
-    start: tuple[float, float],
-    commands: FloatArray,
-    velocities: FloatArray,
-    bounds: Bounds,
-    dt: float,
-    period: float | None,
-) -> FloatArray:
-    """Return the motion towards commands that stay on one course."""
-    (x, v), r, u = start, float(commands[0]), float(velocities[0])
-    if period is not None:
-        r = x - remainder(x - r, period)
-    v_min, v_max, up, down = bounds
-    task = Task(0.0, 0.0, 0.0, 0.0, 0.0, v_min, v_max, -down, up, inf, inf)
-    rows = along(approach((x - r, v - u, 0.0), r, u, task), dt, len(commands))
-    rows[0] += (r - commands[0]) + commands + u * dt
-    rows[1] += u
-    return rows
-
-
-def _changing(
-    start: tuple[float, float],
-    commands: FloatArray,
-    velocities: FloatArray,
-    bounds: Bounds,
-    dt: float,
-    period: float | None,
-) -> FloatArray:
-    """Return the motion towards commands that may leave their course at every sample."""
-    (x, v), ends = start, commands + velocities * dt
-    jumps = np.concatenate([[x], ends[:-1]]) - commands  # of e, as the command changes
+def _samples(commands: FloatArray, velocities: FloatArray) -> Iterator[tuple[float, float, float]]:
+    """Return command, velocity, and how near to the command counts as there, of each sample."""
     slacks = (_RESOLUTION * np.abs(commands)).tolist()
-    if velocities.any():
-        changes = (np.concatenate([[v], velocities[:-1]]) - velocities).tolist()
-        tops = (bounds.v_max - velocities).tolist()
-        bottoms = (bounds.v_min - velocities).tolist()
-    else:
-        changes = [v, *repeat(0.0, len(commands) - 1)]
-        tops, bottoms = repeat(bounds.v_max), repeat(bounds.v_min)
-    samples = zip(jumps.tolist(), changes, slacks, tops, bottoms, strict=False)
-    *motion, turns = _follow(samples, bounds.up, bounds.down, dt, period)
-    rows = np.array(motion)
-    rows[0] += ends if period is None else ends + turns
-    rows[1] += velocities
-    return rows
+    moving = velocities.tolist() if velocities.any() else repeat(0.0)
+    return zip(commands.tolist(), moving, slacks, strict=False)
 
 
 def sample(
@@ -132,50 +98,38 @@ def sample(
     period: float | None = None,
 ) -> tuple[float, float, float]:
     """Return position, velocity and acceleration after a single sample, as `follow`."""
-    (x, v), (v_min, v_max, up, down) = start, bounds
-    one = (
-        x - command,
-        v - velocity,
-        _RESOLUTION * abs(command),
-        v_max - velocity,
-        v_min - velocity,
-    )
-    [e], [w], [a], turns = _follow([one], up, down, dt, period)
-    x, v = command + velocity * dt + e + sum(turns), velocity + w
-    for bound in (v_min, v_max):
+    one = command, velocity, _RESOLUTION * abs(command)
+    [x], [v], [a] = _follow(start, [one], bounds, dt, period)
+    for bound in (bounds.v_min, bounds.v_max):
         if 1.0 < v / bound <= _ROUNDED_UP:
             v = bound
     return x, v, a
 
 
-Lists = tuple[list[float], list[float], list[float], list[float]]
+Lists = tuple[list[float], list[float], list[float]]
 
 
 def _follow(
-    samples: Iterable[tuple[float, float, float, float, float]],
-    up: float,
-    down: float,
+    start: tuple[float, float],
+    samples: Iterable[tuple[float, float, float]],
+    bounds: Bounds,
     dt: float,
     period: float | None,
 ) -> Lists:
-    """Return e, w and the acceleration after each sample, and with a period the whole ones in it.
+    """Return position, velocity and acceleration after each sample.
 
-    A sample is what e and w jump by when it begins, how near to zero e counts as zero, and the
-    bounds on w.
+    A sample is a command, its velocity, and how near to the command counts as there.
     """
+    v_min, v_max, up, down = bounds
     half_up, half_down, lift = 0.5 / up, 0.5 / down, 2.0 * up * down / (up + down)
     gain_up, gain_down, half_dt = up * dt, down * dt, 0.5 * dt
-    out: Lists = [], [], [], []
-    add_e, add_w, add_a, add_turns = (column.append for column in out)
-    e = w = turns = 0.0
-    for jump, change, slack, top, bottom in samples:
-        e += jump
-        w += change
+    out: Lists = [], [], []
+    add_x, add_v, add_a = (column.append for column in out)
+    x, v = start
+    for r, u, slack in samples:
         if period is not None:
-            turns += e
-            e = remainder(e, period)
-            turns -= e
-            add_turns(turns)
+            r = x - remainder(x - r, period)
+        e, w = x - r, v - u
         square = w * w
         beyond = e + square * half_down if w > 0.0 else e - square * half_up  # where it would stop
         if beyond < -slack or (w > 0.0 and beyond <= slack):
@@ -184,39 +138,43 @@ def _follow(
             if w > 0.0:
                 rise += square
             later = w + gain_up
-            if later <= top and (later <= 0.0 or later * later <= rise):
-                e += (w + later) * half_dt
-                w = later
+            if later + u <= v_max and (later <= 0.0 or later * later <= rise):
+                x += (w + later) * half_dt + u * dt
+                v = later + u
                 a = up
-            elif w == top and e + w * (dt + w * half_down) <= 0.0:
-                e += w * dt
+            elif v == v_max and e + w * (dt + w * half_down) <= 0.0:
+                x += v * dt
                 a = 0.0
-            elif (peak := sqrt(rise)) < top:
+            elif (peak := sqrt(rise)) < v_max - u:
                 w = peak - down * (dt - (peak - w) / up)
                 e, w, a = (-w * w * half_down, w, -down) if w > 0.0 else (0.0, 0.0, 0.0)
+                x, v = r + u * dt + e, u + w
             else:
-                e, w, a = _by_the_bound(e, w, top, up, down, dt)
+                step, w, a = _by_the_bound(e, w, v_max - u, up, down, dt)
+                x, v = x + step + u * dt, u + w
         elif beyond > slack or w < 0.0:
             rise = beyond * lift if beyond > slack else 0.0
             if w < 0.0:
                 rise += square
             later = w - gain_down
-            if later >= bottom and (later >= 0.0 or later * later <= rise):
-                e += (w + later) * half_dt
-                w = later
+            if later + u >= v_min and (later >= 0.0 or later * later <= rise):
+                x += (w + later) * half_dt + u * dt
+                v = later + u
                 a = -down
-            elif w == bottom and e + w * (dt - w * half_up) >= 0.0:
-                e += w * dt
+            elif v == v_min and e + w * (dt - w * half_up) >= 0.0:
+                x += v * dt
                 a = 0.0
-            elif (peak := sqrt(rise)) < -bottom:
+            elif (peak := sqrt(rise)) < u - v_min:
                 w = up * (dt - (peak + w) / down) - peak
                 e, w, a = (w * w * half_up, w, up) if w < 0.0 else (0.0, 0.0, 0.0)
+                x, v = r + u * dt + e, u + w
             else:
-                e, w, a = (-value for value in _by_the_bound(-e, -w, -bottom, down, up, dt))
+                step, w, a = _by_the_bound(-e, -w, u - v_min, down, up, dt)
+                x, v, a = x - step + u * dt, u - w, -a
         else:
-            e = w = a = 0.0
-        add_e(e)
-        add_w(w)
+            x, v, a = r + u * dt, u, 0.0
+        add_x(x)
+        add_v(v)
         add_a(a)
     return out
 
@@ -224,18 +182,19 @@ def _follow(
 def _by_the_bound(
     e: float, w: float, top: float, speed_up: float, slow_down: float, left: float
 ) -> tuple[float, float, float]:
-    """Return (e, w) and the acceleration after a time `left` of going to the velocity bound.
+    """Return what e changes by, w and the acceleration after a time `left` of going to the bound.
 
     From either side of it; then it cruises, slows down and stops at e = 0.
     """
+    gone = 0.0
     if w != top:
         change = speed_up if w < top else -slow_down
         t = (top - w) / change
         if t >= left:
-            return e + (w + 0.5 * change * left) * left, w + change * left, change
-        e, left = e + 0.5 * (w + top) * t, left - t
+            return (w + 0.5 * change * left) * left, w + change * left, change
+        gone, left = 0.5 * (w + top) * t, left - t
     stop = -0.5 * top * top / slow_down
-    if e + top * left <= stop:
-        return e + top * left, top, 0.0
-    w = top - slow_down * (left - (stop - e) / top) if top > 0.0 else 0.0
-    return (-0.5 * w * w / slow_down, w, -slow_down) if w > 0.0 else (0.0, 0.0, 0.0)
+    if e + gone + top * left <= stop:
+        return gone + top * left, top, 0.0
+    w = top - slow_down * (left - (stop - e - gone) / top) if top > 0.0 else 0.0
+    return (-0.5 * w * w / slow_down - e, w, -slow_down) if w > 0.0 else (-e, 0.0, 0.0)

@@ -7,13 +7,12 @@ zero. The plan is kept as long as the commands stay on that course.
 from __future__ import annotations
 
 from itertools import pairwise
-from math import remainder
 
 import numpy as np
 
 from ..pieces import FloatArray
 from ..transfers.task import ROUNDING, Task
-from .approach import along, approach, courses
+from .approach import courses, follow_course
 
 
 def follow(
@@ -29,17 +28,12 @@ def follow(
     As `second_order.follow`; the bounds are those of a task. The jerk is the one in force when
     the sample ends.
     """
-    x, v, a = start
+    state: tuple[float, ...] = start
     rows = np.empty((4, len(commands)))
     for i, j in pairwise(courses(commands, velocities, dt).tolist()):
-        r, u = float(commands[i]), float(velocities[i])
-        if period is not None:
-            r = x - remainder(x - r, period)
-        plan = approach((x - r, v - u, a), r, u, bounds)
-        rows[:, i:j] = along(plan, dt, j - i)
-        rows[0, i:j] += (r - commands[i]) + commands[i:j] + u * dt
-        rows[1, i:j] += u
-        x, v, a, _ = rows[:, j - 1].tolist()
+        velocity = float(velocities[i])
+        rows[:, i:j] = follow_course(state, commands[i:j], velocity, bounds, dt, period)
+        state = tuple(rows[:3, j - 1].tolist())
     for bound in (bounds.v_min, bounds.v_max):
         speeds = rows[1] / bound
         rows[1, (speeds > 1.0) & (speeds <= 1.0 + ROUNDING)] = bound

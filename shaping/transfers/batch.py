@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..checks import in_range
 from ..derivatives import derivative_name
 from ..limits import Limits
 from ..pieces import FloatArray
@@ -19,6 +20,7 @@ from .problem import Transfer, check_order
 from .task import ROUNDING, Task
 from .transfer import min_time_transfer
 
+_TINY = np.finfo(float).tiny
 _NO_EXPONENT = -(2**20)
 _CHUNK = 4096  # problems whose arrays stay in the processor's cache
 
@@ -119,7 +121,10 @@ def min_time_transfers(
     )
     with np.errstate(all="ignore"):
         for i in range(0, count, _CHUNK):
-            _solve(batch, slice(i, i + _CHUNK))
+            some = slice(i, i + _CHUNK)
+            in_range(lambda: _solve(batch, some))  # noqa: B023  (it runs at once)
+    for array in vars(batch).values():
+        array.flags.writeable = False
     return batch
 
 
@@ -169,6 +174,8 @@ def _check_bounds(bounds: FloatArray) -> None:
 def _states(name: str, given: ArrayLike, order: int) -> FloatArray:
     """Return states (…, order), what is left out filled with zeros."""
     states = np.atleast_1d(finite_array(name, given))
+    if not states.size:
+        states = np.empty((0, order))
     missing = order - states.shape[-1]
     if missing < 0 or states.ndim > 2:
         raise ValueError(
@@ -182,6 +189,9 @@ def _solve(batch: TransferBatch, some: slice) -> None:
     order = batch.starts.shape[1]
     tasks = _tasks(batch.starts[some], batch.ends[some], batch.bounds[some])
     time, length = _own_units(tasks)
+    units = np.array([time, length])
+    if not (np.isfinite([*units, tasks.distance]).all() and (units >= _TINY).all()):
+        raise OverflowError
     tasks = tasks.in_units(time, length)
     solver = batch_second if order == 2 else batch_third
     [leaving] = np.nonzero(outside(tasks))
@@ -262,6 +272,8 @@ def _own_units(tasks: Tasks) -> tuple[FloatArray, FloatArray]:
     ]
     span = np.full(len(power), _NO_EXPONENT)
     for order, size in zip(range(n, 0, -1), sizes, strict=False):
+        if not np.isfinite(size / power).all():
+            raise OverflowError
         exponent = -(-np.frexp(size / power)[1] // order)  # rounded up
         span = np.where(size > 0.0, np.maximum(span, exponent), span)
     still = span == _NO_EXPONENT

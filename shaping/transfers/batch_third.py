@@ -19,7 +19,7 @@ from .third_order import Profile, ramp, travelled
 _profile: Any = Profile  # of arrays
 
 _FREE_Q, _FREE_P, _HOLD, _DWELL, _BOTH = range(5)
-_ITERATIONS = 200
+_ITERATIONS = 2000
 _FAR = 2.0**100
 
 

@@ -45,13 +45,27 @@ def families(task: Task) -> tuple[Family, Family]:
 
 
 def fastest(task: Task, start: float, end: float) -> Pieces | None:
-    """Return the pieces of the minimum-time plan, None where there is none."""
+    """Return the pieces of the minimum-time plan, None where there is none.
+
+    The quickest change from (v0, a0) to (v1, a1) covers a distance d. Where the durations of such
+    changes have no gap, which takes accelerations of one sign, the distances that can be covered
+    grow continuously from d both ways, and the sign of what is missing tells the family.
+    """
     up, down = families(task)
-    rising = min(up.solutions(), key=_duration, default=None)
-    falling = min(down.solutions(), key=_duration, default=None)
-    if rising is not None and (falling is None or rising.duration <= falling.duration):
-        return up.pieces(rising, start, end)
-    return None if falling is None else mirrored(down.pieces(falling, -start, -end))
+    falls = task.distance < change_velocity(task).distance
+    best: tuple[Family, Any] | None = None
+    for family in (down, up) if falls else (up, down):
+        found = min(family.solutions(), key=_duration, default=None)
+        if found is not None and (best is None or found.duration < best[1].duration):
+            best = family, found
+        if best is not None and task.a0 * task.a1 <= 0.0:
+            break
+    if best is None:
+        return None
+    family, profile = best
+    if family is up:
+        return up.pieces(profile, start, end)
+    return mirrored(down.pieces(profile, -start, -end))
 
 
 def _duration(profile: Any) -> float:
@@ -119,7 +133,8 @@ def lasting(task: Task, duration: float, start: float, end: float) -> Pieces | N
     if highest is None or lowest is None:
         return None
     top, bottom = up.distance(highest), -down.distance(lowest)
-    slack = up.blur + 64.0 * ROUNDING * (abs(top) + abs(bottom))
+    # of speeds up to one, in the task's own units
+    slack = up.blur + 16.0 * ROUNDING * (abs(top) + abs(bottom) + duration)
     if not bottom - slack <= task.distance <= top + slack:
         return None
     weight = (task.distance - bottom) / (top - bottom) if top > bottom else 1.0
@@ -228,7 +243,8 @@ def _bracketed(
     for k in range(200):
         middle = 0.5 * (low[0] + high[0])
         if k % 3 and not isnan(low[1] + high[1]) and high[1] > low[1]:
-            middle = low[0] - low[1] * (high[0] - low[0]) / (high[1] - low[1])
+            secant = low[0] - low[1] * (high[0] - low[0]) / (high[1] - low[1])
+            middle = secant if low[0] < secant < high[0] else middle
         if not low[0] < middle < high[0]:
             break
         at = middle, error(middle)

@@ -15,7 +15,7 @@ from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
 from .s_curve_plan import Motion, Rates, plan, stopping_place
-from .task import Piece
+from .task import ROUNDING, Piece
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 
@@ -62,7 +62,7 @@ class SCurveMove(Trajectory):
         Parameters
         ----------
         time : float
-            From the start of the move on; after its end it coasts.
+            Before its start it waits, after its end it coasts.
         target : float, optional
             New position, absolute. What is left out stays as it was.
         velocity, acceleration, deceleration, acceleration_jerk, deceleration_jerk : float, optional
@@ -79,9 +79,12 @@ class SCurveMove(Trajectory):
         Raises
         ------
         ValueError
-            For a time before the start, and as `s_curve_move`.
+            As `s_curve_move`.
         """
-        before = self.until(time)
+        if finite("time", time) < self.start_time:
+            before = _waiting(self, time)
+        else:
+            before = self.until(time)
         given = {
             "velocity": velocity,
             "acceleration": acceleration,
@@ -89,6 +92,8 @@ class SCurveMove(Trajectory):
             "acceleration_jerk": acceleration_jerk,
             "deceleration_jerk": deceleration_jerk,
         }
+        if self.settings.rates.jerk_percent is not None:
+            _check_no_jerk(acceleration_jerk, deceleration_jerk, self.settings.rates.jerk_percent)
         changes = {name: positive(name, v) for name, v in given.items() if v is not None}
         rates = replace(self.settings.rates, **changes)
         if final_velocity is None:
@@ -223,10 +228,7 @@ def _rates(
         deceleration = acceleration
     deceleration = positive("deceleration", deceleration)
     if jerk_percent is not None:
-        if acceleration_jerk is not None or deceleration_jerk is not None:
-            raise ValueError(
-                f"jerk_percent = {jerk_percent!r} beside a jerk: give one or the other"
-            )
+        _check_no_jerk(acceleration_jerk, deceleration_jerk, jerk_percent)
         if not 0.0 <= finite("jerk_percent", jerk_percent) <= 1.0:
             raise ValueError(
                 f"jerk_percent = {jerk_percent!r}: expected 0 to 1, such as 0.5 for 50 %"
@@ -243,6 +245,13 @@ def _rates(
         positive("acceleration_jerk", acceleration_jerk),
         positive("deceleration_jerk", deceleration_jerk),
     )
+
+
+def _check_no_jerk(
+    acceleration_jerk: float | None, deceleration_jerk: float | None, percent: float
+) -> None:
+    if acceleration_jerk is not None or deceleration_jerk is not None:
+        raise ValueError(f"jerk_percent = {percent!r} beside a jerk: give one or the other")
 
 
 def _final(final_velocity: float, rates: Rates) -> float:
@@ -266,7 +275,8 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
         if alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
             motion = Problem(begin, (target, settings.final_velocity), limits).fastest()
-            assert motion is not None  # an end without acceleration can always be reached
+            if motion is None:  # an end without acceleration can be reached, in numbers of a double
+                raise OverflowError
             return motion
         return _trajectory(
             plan(begin, target, settings.final_velocity, rates), target, settings.final_velocity
@@ -305,6 +315,13 @@ def _check_no_reversal(
     )
 
 
+def _waiting(move: Trajectory, time: float) -> Trajectory:
+    """Return a point at the state in which a move waits for its start."""
+    x, v = move.coasting_in()
+    end = [x + v * (time - move.start_time), v, 0.0, 0.0]
+    return Trajectory([time], np.empty((0, 4)), end_state=end)
+
+
 def _spliced(before: Trajectory, after: Trajectory) -> Trajectory:
     """Return the motion that goes over from one to another, whose acceleration may step."""
     breaks = before.end_time + after.breaks
@@ -331,7 +348,7 @@ def _remarks(settings: SCurveSettings) -> Iterator[str]:
     for name in ("acceleration", "deceleration"):
         a, jerk = getattr(rates, name), getattr(rates, f"{name}_jerk")
         least = a * a / rates.velocity
-        if jerk < least:
+        if jerk < least * (1.0 - ROUNDING):
             yield (
                 f"{name}_jerk = {jerk:g} is below {name}²/velocity = {least:g}: between rest and "
                 f"a velocity of {rates.velocity:g} the {name} of {a:g} is not reached"

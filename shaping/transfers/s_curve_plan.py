@@ -11,11 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
 
+from .brake import brake
 from .planner import fastest, mirrored
 from .task import ROUNDING, Piece, Task, taylor
 from .velocity_change import change_velocity
 
 Pieces = list[Piece]
+_GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
+
 Motion = tuple[float, float, float]
 """Position, velocity, acceleration."""
 
@@ -55,15 +58,18 @@ def stopping_place(begin: Motion, final_velocity: float, rates: Rates) -> float:
     """Return the nearest position that can be passed at a final velocity without turning round."""
     sign = 1.0 if (begin[1] or begin[2] or final_velocity) >= 0.0 else -1.0
     _, state = _ease((sign * begin[0], sign * begin[1], sign * begin[2]), rates)
-    return sign * (state[0] + _distance(_leg(state, max(sign * final_velocity, 0.0), rates)))
+    velocity = max(sign * final_velocity, 0.0)
+    settling = _settling(state[1], state[2], rates)
+    turn = _dip(state, velocity, rates) if velocity > settling > 0.0 else velocity
+    return sign * (state[0] + _distance_by_way_of(turn, state, velocity, rates))
 
 
 def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
-    eased, begin = _ease(begin, rates)
     if _settling(begin[1], begin[2], rates) < 0.0:
         first, state = _to_zero(begin, rates)
-        return eased + first + plan(state, target, final_velocity, rates)
+        return first + plan(state, target, final_velocity, rates)
+    eased, begin = _ease(begin, rates)
     direct = _one_way(begin, target, final_velocity, rates)
     if direct is not None:
         return eased + direct
@@ -94,25 +100,69 @@ def _from_rest(x: float, target: float, final_velocity: float, rates: Rates) -> 
 def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces | None:
     """Return the plan that never goes back, None where there is none."""
     x, v, a = begin
+    settling = _settling(v, a, rates)
     if final_velocity < 0.0:
         return None
-    distance = target - x
-    low, high = max(_settling(v, a, rates), final_velocity), max(rates.velocity, final_velocity)
+    if settling > rates.velocity and rates.jerk_percent is None:
+        slowed, begin = _into_bounds(begin, settling, rates)
+        onward = _one_way(begin, target, final_velocity, rates)
+        return None if onward is None else slowed + onward
+    distance, slack = target - x, ROUNDING * (abs(target - x) + abs(x) + abs(target))
+    low, high = max(settling, final_velocity), rates.velocity
 
-    def missing(peak: float) -> float:
-        ends = _leg(begin, peak, rates), _leg((0.0, peak, 0.0), final_velocity, rates)
-        return distance - _distance(ends[0]) - _distance(ends[1])
+    def missing(turn: float) -> float:
+        return distance - _distance_by_way_of(turn, begin, final_velocity, rates)
 
-    rest = missing(high)
-    if rest >= 0.0:
-        return _by_way_of(high, rest / high if high else 0.0, begin, target, final_velocity, rates)
-    slack = ROUNDING * (abs(distance) + abs(x) + abs(target))
-    if low < high and missing(low) >= -slack:
-        peak = _largest(low, high, missing)
-        return _by_way_of(peak, 0.0, begin, target, final_velocity, rates)
-    if a > 0.0 or final_velocity > v or rates.jerk_percent is not None:
-        return None
-    return _slowing(begin, target, final_velocity, rates)
+    turn, rest = high, missing(high)
+    if rest < 0.0:
+        if settling < final_velocity and missing(low) < -slack:
+            low, high = _dip(begin, final_velocity, rates), settling
+        if low > high or missing(low) < -slack:
+            slows = a <= 0.0 and final_velocity <= v and rates.jerk_percent is None
+            return _slowing(begin, target, final_velocity, rates) if slows else None
+        turn = _largest(low, high, missing) if missing(low) > slack else low
+    return _by_way_of(
+        turn, max(rest, 0.0) / turn if turn else 0.0, begin, target, final_velocity, rates
+    )
+
+
+def _into_bounds(begin: Motion, settling: float, rates: Rates) -> tuple[Pieces, Motion]:
+    """Return the quickest way down to the velocity allowed, and the state then."""
+    x, v, a = begin
+    eased = _leg(begin, settling, rates) if a > 0.0 else []
+    if eased:
+        x, v, a = x + _distance(eased), settling, 0.0
+    rate, jerk = rates.deceleration, rates.deceleration_jerk
+    task = Task(0.0, v, a, 0.0, 0.0, 0.0, rates.velocity, -rate, rate, jerk, jerk)
+    slowed, left, x = brake(task, x)
+    return eased + slowed, (x, left.v0, left.a0)
+
+
+def _distance_by_way_of(turn: float, begin: Motion, final_velocity: float, rates: Rates) -> float:
+    """Return the distance of going to one velocity and then to the final one."""
+    last = _leg((0.0, turn, 0.0), final_velocity, rates)
+    return _distance(_leg(begin, turn, rates)) + _distance(last)
+
+
+def _dip(begin: Motion, final_velocity: float, rates: Rates) -> float:
+    """Return the velocity to slow down to first that makes the way to the final one shortest.
+
+    Slowing down turns the acceleration up at a lower velocity, where it costs less distance.
+    Golden section: the distance falls and rises again.
+    """
+    low, high = 0.0, _settling(begin[1], begin[2], rates)
+    span = high
+    while span > ROUNDING * high:
+        span *= _GOLDEN
+        left, right = high - span, low + span
+        if _distance_by_way_of(left, begin, final_velocity, rates) < _distance_by_way_of(
+            right, begin, final_velocity, rates
+        ):
+            high = right
+        else:
+            low = left
+        span = high - low
+    return low
 
 
 def _largest(low: float, high: float, missing: Callable[[float], float]) -> float:

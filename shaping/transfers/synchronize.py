@@ -94,7 +94,8 @@ def _planned(axis: Axis) -> Transfer:
 def _ending_together(axes: list[Trajectory]) -> tuple[Trajectory, ...]:
     latest = max(axis.duration for axis in axes)
     for number, axis in enumerate(axes):
-        if axis.duration < latest and any(axis.start_state[1 : axis.order] != 0.0):
+        waits = axis.duration < latest * (1.0 - ROUNDING)
+        if waits and any(axis.start_state[1 : axis.order] != 0.0):
             raise ValueError(
                 f"axis {number} moves at its start and cannot wait: use mode='both', or start it "
                 "at rest"

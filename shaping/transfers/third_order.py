@@ -49,6 +49,7 @@ class _Arc(NamedTuple):
     last: float
 
 
+_ITERATIONS = 2000  # for a root 300 decades below its bracket's end
 _FREE_Q, _FREE_P, _HOLD, _DWELL, _BOTH = range(5)
 # parameter: q, p, q (p at its bound), p (q at its bound), the hold's duration
 
@@ -281,7 +282,7 @@ class Family:
         """Return the profile between two parameters at which the distance errs either way."""
         wrong_side = error
         middle = 0.5 * (s + other)
-        for _ in range(200):
+        for _ in range(_ITERATIONS):
             profile = self.profile(kind, middle)
             distance, slope, scale = self.travel(profile)
             error = distance - self.task.distance

@@ -61,6 +61,8 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
         problem = Problem(start, end, limits)
         transfer = problem.fastest()
         if transfer is None:
+            if problem.end[2] == 0.0:  # it can be reached, in numbers beyond a double
+                raise OverflowError
             raise unreachable(*problem.end[1:], limits)
         return transfer
 

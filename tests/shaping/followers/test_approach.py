@@ -13,6 +13,7 @@ from jounce.shaping import Limits, min_time_transfer, velocity_transfer
 from jounce.shaping.followers.approach import approach
 from jounce.shaping.transfers.task import Task
 
+DT = 0.01
 SHARES = st.floats(-0.9375, 0.9375, width=32)
 
 
@@ -50,7 +51,7 @@ def test_it_is_the_transfer_to_rest_as_seen_from_the_command(problem, share):
     seen = problem.bounds[0] and (low - u, high - u)
     start = (x - problem.end[0], v - u, *a)
     transfer = min_time_transfer(start, 0.0, Limits.from_bounds([seen, *problem.bounds[1:]]))
-    pieces = approach((*start, 0.0)[:3], 0.0, u, bounds_of(problem.bounds))
+    pieces = approach((*start, 0.0)[:3], 0.0, u, bounds_of(problem.bounds), DT)
     text = f"approach({(*start, 0.0)[:3]}, 0.0, {u}, bounds_of({problem.bounds}))"
     duration = sum(time for time, _ in pieces[:-1])
     assert duration == pytest.approx(transfer.duration, rel=1e-9, abs=1e-9), text
@@ -67,7 +68,7 @@ def test_behind_a_command_at_the_bound_it_goes_to_the_bound_as_fast_as_it_can(or
     _, v, *a = problem.start
     for u, sign in ((high, -1.0), (low, 1.0)):
         relative = (1e6 * sign, v - u, *a)
-        pieces = approach((*relative, 0.0)[:3], 0.0, u, bounds_of(problem.bounds))
+        pieces = approach((*relative, 0.0)[:3], 0.0, u, bounds_of(problem.bounds), DT)
         spin_up = velocity_transfer(problem.start, u, problem.limits)
         duration = sum(time for time, _ in pieces[:-1])
         assert duration == pytest.approx(spin_up.duration, rel=1e-12), (problem, u)
@@ -84,7 +85,7 @@ def test_ahead_of_a_command_at_the_bound_it_waits_and_arrives(order, seed):
     _, v, *a = problem.start
     for u, sign in ((high, 1.0), (low, -1.0)):
         relative = (1e4 * sign, v - u, *a)
-        pieces = approach((*relative, 0.0)[:3], 0.0, u, bounds_of(problem.bounds))
+        pieces = approach((*relative, 0.0)[:3], 0.0, u, bounds_of(problem.bounds), DT)
         assert pieces[-1][1][0] == 0.0, (problem, u)
         check_joints(pieces, relative, (problem, u))
         speeds = [row[1] for _, row in pieces]
@@ -99,15 +100,15 @@ def test_ahead_of_a_command_at_the_bound_it_waits_and_arrives(order, seed):
 def test_at_the_command_nothing_is_left_to_do(order):
     bounds = bounds_of([(-1.0, 2.0), (-3.0, 4.0), (-5.0, 6.0)][:order])
     for u in (-1.0, 0.0, 0.7, 2.0):
-        assert approach((0.0, 0.0, 0.0), 7.0, u, bounds) == [(inf, (0.0,) * (order + 1))]
+        assert approach((0.0, 0.0, 0.0), 7.0, u, bounds, DT) == [(inf, (0.0,) * (order + 1))]
 
 
 @given(problem=transfer_problems(), share=SHARES)
 def test_its_mirror_image_is_the_mirrored_motion(problem, share):
     u = share * min(map(abs, problem.bounds[0] or (3.0,)))
     e, w, a = (*problem.start, 0.0)[:3]
-    there = approach((e - 1.5, w - u, a), 2.0, u, bounds_of(problem.bounds))
-    back = approach((1.5 - e, u - w, -a), -2.0, -u, bounds_of(problem.mirrored().bounds))
+    there = approach((e - 1.5, w - u, a), 2.0, u, bounds_of(problem.bounds), DT)
+    back = approach((1.5 - e, u - w, -a), -2.0, -u, bounds_of(problem.mirrored().bounds), DT)
     assert [time for time, _ in back] == [time for time, _ in there], (problem, u)
     assert [row for _, row in back] == [tuple(-x for x in row) for _, row in there], (problem, u)
 
@@ -115,7 +116,7 @@ def test_its_mirror_image_is_the_mirrored_motion(problem, share):
 @pytest.mark.parametrize("relative", [(2.0, 9.0, 0.0), (-1.0, 0.3, 9.0), (0.0, -7.0, -3.5)])
 def test_a_start_beyond_the_bounds_begins_with_bringing_it_inside(relative):
     pairs = [(-1.0, 2.0), (-3.0, 4.0), (-5.0, 6.0)]
-    pieces = approach(relative, 0.0, 0.5, bounds_of(pairs))
+    pieces = approach(relative, 0.0, 0.5, bounds_of(pairs), DT)
     seen = Limits.from_bounds([(-1.5, 1.5), *pairs[1:]])
     transfer = min_time_transfer(relative, 0.0, seen)
     assert transfer.inside_after > 0.0

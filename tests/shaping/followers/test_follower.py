@@ -291,3 +291,39 @@ def test_a_rest_to_rest_move_is_a_command_held():
     move = min_time_move(5.0, Limits(velocity=2.0, acceleration=1.0))
     response = CommandFollower(Limits(velocity=2.0, acceleration=1.0), dt=0.3).run([5.0] * 20)
     np.testing.assert_allclose(response.states[:2], move.evaluate(response.time, 1), atol=1e-13)
+
+
+# What once failed
+
+
+@pytest.mark.parametrize("jerk", [None, 1.0])
+@pytest.mark.parametrize("count", [1, 100])
+def test_a_command_far_away_leaves_the_position_its_digits(jerk, count):
+    follower = CommandFollower(Limits(1.0, 1.0, jerk), dt=0.01)
+    near, far = (
+        follower.run([command] * count, initial=(0.37,)).states for command in (1e3, 1e300)
+    )
+    np.testing.assert_allclose(far, near, rtol=1e-13)
+
+
+def test_order_3_rests_at_what_is_nothing():
+    follower = CommandFollower(Limits(velocity=1.0, jerk=1.0), dt=0.5)
+    assert follower.step((0.0, 1e-220, 0.0), 0.0) == (0.0, 0.0, 0.0, 0.0)
+    response = follower.run([5e-324 * (-1) ** k for k in range(40)])
+    assert np.abs(response.states).max() <= 5e-324
+
+
+@pytest.mark.parametrize("jerk", [None, (-2.0, 4.0)])
+def test_the_way_round_is_chosen_at_every_sample(jerk):
+    follower = CommandFollower(Limits((-2.0, 3.0), (-1.5, 1.0), jerk), dt=0.02, period=10.0)
+    state = (4.9, 2.5)
+    for _ in range(1000):
+        state = follower.step(state, 0.0)
+    assert state[0] == 10.0
+    assert follower.run([0.0] * 1000, initial=(4.9, 2.5)).states[0, -1] == 10.0
+
+
+@pytest.mark.parametrize("jerk", [None, 1.0])
+def test_no_commands_no_states(jerk):
+    response = CommandFollower(Limits(1.0, 1.0, jerk), dt=0.01).run([])
+    assert response.states.shape == (3 if jerk is None else 4, 0)

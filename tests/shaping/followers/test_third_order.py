@@ -11,7 +11,7 @@ from references import replay
 from strategies import COMMANDS, Following, random_following
 
 from jounce.shaping import CommandFollower, Limits, min_time_transfer, velocity_transfer
-from jounce.shaping.followers import third_order
+from jounce.shaping.followers import approach as course
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 SEEDS = range(20 if SLOW else 3)
@@ -76,8 +76,8 @@ def test_a_plan_is_kept_while_the_commands_stay_on_its_course(monkeypatch, veloc
         plans.append(given)
         return approach(*given)
 
-    approach = third_order.approach
-    monkeypatch.setattr(third_order, "approach", counted)
+    approach = course.approach
+    monkeypatch.setattr(course, "approach", counted)
     follower = CommandFollower(BOTH_WAYS, dt=0.01)
     ramp = 5.0 + (velocity or 0.0) * 0.01 * np.arange(900)
     follower.run(ramp, command_velocities=velocity)

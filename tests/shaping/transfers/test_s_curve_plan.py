@@ -22,7 +22,7 @@ from jounce.shaping import min_time_transfer
 from jounce.shaping.limits import Limits
 from jounce.shaping.transfers.s_curve_plan import Rates, plan, stopping_place
 
-SEEDS = range(150)
+SEEDS = range(100)
 ROUND = pytest.mark.parametrize("round_numbers", [False, True], ids=["generic", "round"])
 RATES = st.tuples(*[st.floats(0.1, 10.0)] * 5)
 ALONE = Rates(4.0, 2.0, 1.0, 8.0, 4.0)
@@ -64,7 +64,7 @@ def test_with_equal_rates_a_plan_without_reversal_is_the_transfer(round_numbers)
         if low >= -slight or high <= slight:
             assert time <= transfer.duration * 1.0000001, problem
             straight += 1
-    assert straight > 30
+    assert straight > 20
 
 
 def rest_to_rest(problem):

@@ -377,3 +377,30 @@ def test_errors_of_an_axis_are_those_of_a_transfer():
         synchronize([(nan, 1.0, PLAIN)])
     with pytest.raises(TypeError, match=r"limits = 2\.0: expected Limits"):
         synchronize([(0.0, 1.0, 2.0)])
+
+
+# What once failed
+
+
+def test_an_axis_at_the_edge_of_its_durations_can_take_part():
+    bounds = [
+        (-6.475605176772254, 6.475605176772254),
+        (-1.2166411940089952, 5.121542985471184),
+        (-3.730756956482455, 3.730756956482455),
+    ]
+    there = (-0.518654604455596, 0.0, 5.121542985471184)
+    axis = (there, there, Limits.from_bounds(bounds))
+    slow, _ = synchronize([axis, (0.0, 1.0, Limits(1.0, 1.0))])
+    assert slow.duration == pytest.approx(8.850549505, rel=1e-9)
+
+
+def test_a_tiny_distance_back_is_a_motion_too():
+    limits = Limits(velocity=13.0, acceleration=47.0, jerk=5.5)
+    back, _ = synchronize([(0.0, -1e-13, limits), (0.0, 8000.0, limits)])
+    assert back.peak("velocity") * back.duration == pytest.approx(1e-13, rel=1e-3)
+
+
+def test_axes_that_end_together_but_for_rounding_need_not_wait():
+    f, v = 5.167034084532541, 0.8108346533866836
+    unit, scaled = Limits(1.0, 1.0), Limits(f, f)
+    synchronize([((0.0, v), 3.0, unit), ((0.0, v * f), 3 * f, scaled)], "end")
