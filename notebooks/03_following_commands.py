@@ -113,9 +113,17 @@ plt.show()
 # it is.
 
 # %%
-ramps = {"velocity": 4.0, "acceleration": 8.0, "deceleration": 6.0}
-with_jerk = s_curve_move(10.0, **ramps, acceleration_jerk=40.0, deceleration_jerk=30.0)
-by_percent = s_curve_move(10.0, **ramps, jerk_percent=0.6)
+with_jerk = s_curve_move(
+    10.0,
+    velocity=4.0,
+    acceleration=8.0,
+    deceleration=6.0,
+    acceleration_jerk=40.0,
+    deceleration_jerk=30.0,
+)
+by_percent = s_curve_move(  # 0.6 of jerk time raises the peaks to 8 and 6
+    10.0, velocity=4.0, acceleration=5.6, deceleration=4.2, jerk_percent=0.6
+)
 modified = {
     "by jerk percent": by_percent.modify(0.3, target=4.0),
     "with jerks": with_jerk.modify(0.3, target=4.0),

@@ -11,8 +11,11 @@ from .pieces import MAX_ORDER, FloatArray
 def finite_array(name: str, values: ArrayLike | None) -> FloatArray:
     """Return a copy as an array of floats; ValueError unless all are finite."""
     array = np.array(values, dtype=float)
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {array}")
+    wrong = np.argwhere(~np.isfinite(array))
+    if len(wrong):
+        where = ", ".join(str(i) for i in wrong[0])
+        element = f"{name}[{where}]" if where else name
+        raise ValueError(f"{name} must be finite: {element} = {array[tuple(wrong[0])]}")
     return array
 
 

@@ -76,12 +76,14 @@ def outcome(problem: Problem) -> str:
         return "refused" if unreachable(start, end, limits) else "refused without reason"
     except Exception:
         return "crashed"
-    return judged(transfer, end, limits)
+    return judged(transfer, start, end, limits)
 
 
-def judged(transfer, end, limits: Limits) -> str:
+def judged(transfer, start, end, limits: Limits) -> str:
     """Return how a transfer keeps its promises: end state, joints, and bounds once inside."""
     n, after = limits.order, transfer.inside_after
+    if len(transfer.states) and not np.array_equal(transfer.start_state[:n], start):
+        return "violated"
     scale = [max(transfer.peak(k), 1e-300) for k in range(n)]
     if any(transfer.start_state[1:n]) or any(end[1:]):
         scale[0] = max(scale[0], abs(_distance(limits)))

@@ -12,7 +12,7 @@ import pytest
 from references import replay
 
 from jounce.shaping import SCurveMove, Trajectory, s_curve_move
-from jounce.shaping.transfers.s_curve_plan import Pieces, Rates, plan
+from jounce.shaping.transfers.s_curve_plan import Pieces, Rates, plan_move
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,7 +48,7 @@ class SCurve:
     def planned(self) -> Pieces:
         """Return the pieces of the plan, also where a transfer would do."""
         rates = (self.velocity, self.acceleration, self.deceleration, *self.jerks, self.percent)
-        return plan(self.start, self.target, self.final_velocity, Rates(*rates))
+        return plan_move(self.start, self.target, self.final_velocity, Rates(*rates))
 
     def trajectory(self) -> Trajectory:
         """Return the plan as a trajectory."""

@@ -9,7 +9,7 @@ from math import remainder
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import finite, positive
+from ..checks import finite, in_range, positive
 from ..jerk_filter import JerkFilter
 from ..limits import Limits
 from ..pieces import FloatArray
@@ -40,6 +40,9 @@ class FollowerResponse:
     commands: FloatArray
     states: FloatArray
 
+    def __repr__(self) -> str:
+        return f"FollowerResponse(samples={len(self.time)}, order={len(self.states) - 1})"
+
 
 @dataclass(frozen=True)
 class CommandFollower:
@@ -48,7 +51,9 @@ class CommandFollower:
     At each sample the output is the first dt of the minimum-time motion from the present state to
     the command: to rest there, or to the command's own velocity where that is given. The motion
     is exact inside the sample, however often it switches there, so that no bound is ever
-    exceeded, a constant command is not overshot, and nothing chatters.
+    exceeded, a constant command is not overshot, and nothing chatters on the way to it. A
+    ramp commanded by positions alone is a series of steps, each of which it starts and stops
+    for: command the velocity, too.
 
     Parameters
     ----------
@@ -152,7 +157,7 @@ class CommandFollower:
                 self.dt,
                 self.period,
             )
-        rows, lags = self._states(begin, np.array([command]), np.array([velocity]))
+        rows, lags = self._planned(begin, np.array([command]), np.array([velocity]))
         return (*rows[:, 1].tolist(), *lags[:, 1].tolist())
 
     def run(
@@ -199,7 +204,7 @@ class CommandFollower:
                 f"command_velocities has shape {speeds.shape}: expected {given.shape}, as commands"
             )
         begin = self._checked_state((0.0,) if initial is None else initial)
-        rows, lags = self._states(begin, given, np.broadcast_to(speeds, given.shape))
+        rows, lags = self._planned(begin, given, np.broadcast_to(speeds, given.shape))
         if self.jerk_filter is not None:
             rows = output(rows, lags, self.jerk_filter.omega)
         time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
@@ -220,15 +225,22 @@ class CommandFollower:
         """Return the state as order + 1 numbers and the lags."""
         lags = 0 if self.jerk_filter is None else self.jerk_filter.order
         own = self.order + 1
+        if not isinstance(state, Sequence | np.ndarray) or isinstance(state, str):
+            state = (finite("state", state),)  # a position at rest
         if not (1 <= len(state) <= own or len(state) == own + lags):
             raise ValueError(
                 f"state of {len(state)} numbers: expected position and up to {self.order} "
                 f"derivatives" + (f", or those and {lags} lags" if lags else "")
             )
-        numbers = [finite("state", value) for value in state]
+        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(state)]
         if len(numbers) <= own:
             numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
         return tuple(numbers)
+
+    def _planned(
+        self, begin: tuple[float, ...], commands: FloatArray, velocities: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        return in_range(lambda: self._states(begin, commands, velocities))
 
     def _states(
         self, begin: tuple[float, ...], commands: FloatArray, velocities: FloatArray
@@ -240,6 +252,8 @@ class CommandFollower:
         own = self.order + 1
         low, high = self.limits.bounds(1)
         kept, bounds = np.clip(velocities, low, high), self._bounds()
+        if self.period is not None:
+            commands = np.fmod(commands, self.period)  # exact, as the difference to x would not be
         if self.order == 2:
             of_order_2 = second_order.Bounds(low, high, bounds.a_max, -bounds.a_min)
             rows = second_order.follow(

@@ -58,6 +58,10 @@ class TransferBatch:
         """Which ends can be reached, (N,)."""
         return np.asarray(~np.isnan(self.duration))
 
+    def __repr__(self) -> str:
+        feasible = int(np.count_nonzero(self.feasible))
+        return f"TransferBatch(problems={len(self)}, feasible={feasible})"
+
     def __len__(self) -> int:
         return len(self.duration)
 

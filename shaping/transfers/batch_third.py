@@ -152,8 +152,8 @@ class _View:
         tasks, kappa, c, ratio = self.tasks, self.kappa, self.c, self.ratio
         p, q, hold, dwell = s.copy(), s.copy(), np.zeros_like(s), np.zeros_like(s)
         free_q, free_p, held, dwelling, both = self._kinds
-        p[free_q] = np.sqrt(ratio[free_q] + s[free_q] ** 2)
-        q[free_p] = -np.sqrt(s[free_p] ** 2 - ratio[free_p])
+        p[free_q] = np.maximum(np.sqrt(ratio[free_q] + s[free_q] ** 2), tasks.a0[free_q])
+        q[free_p] = np.minimum(-np.sqrt(s[free_p] ** 2 - ratio[free_p]), tasks.a1[free_p])
         p[held] = tasks.a_max[held]
         q[dwelling] = tasks.a_min[dwelling]
         p[both], q[both] = tasks.a_max[both], tasks.a_min[both]

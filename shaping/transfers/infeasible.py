@@ -36,7 +36,7 @@ def check_end(velocity: float, acceleration: float, limits: Limits) -> None:
     for k, value, reachable in zip((1, 2), (velocity, acceleration), within, strict=True):
         low, high = limits.bounds(k)
         if not low <= inside(value, low, high) <= high:
-            nearest = min(max(value, reachable[0]), reachable[1])
+            nearest = min(max(value, reachable[0]), reachable[1]) + 0.0  # no negative zero
             raise InfeasibleError(
                 f"end {derivative_name(k)} = {value!r} is outside its bounds ({low:g}, {high:g}): "
                 f"the nearest that can be reached is {nearest!r}",
@@ -75,7 +75,7 @@ def unreachable(velocity: float, acceleration: float, limits: Limits) -> Infeasi
         bound, jerk = limits.bounds(1)[1], limits.bounds(3)[0]
     before = velocity - 0.5 * acceleration**2 / jerk
     least, most = _accelerations(velocity, limits)
-    nearest = most if acceleration > 0.0 else least
+    nearest = (most if acceleration > 0.0 else least) + 0.0  # no negative zero
     return InfeasibleError(
         f"end acceleration = {acceleration!r} at velocity {velocity!r} cannot be reached within "
         f"the velocity bound {bound:g}: building it up takes a velocity of {before!r} before; the "

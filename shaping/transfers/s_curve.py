@@ -14,7 +14,7 @@ from ..limits import Limits
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
-from .s_curve_plan import Motion, Rates, plan, stopping_place
+from .s_curve_plan import Motion, Rates, plan_move, stopping_place
 from .task import ROUNDING, Piece
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
@@ -39,7 +39,8 @@ class SCurveMove(Trajectory):
     settings : SCurveSettings
         What its last part was planned with.
     remarks : tuple of str
-        Jerks outside the range of sense, a²/v ≤ jerk ≤ a/dt, and what comes of it.
+        Jerks outside the range of sense, a²/v ≤ jerk ≤ a/dt, and what comes of it; a velocity
+        beyond its bound that the last plan had to bring down.
     """
 
     settings: SCurveSettings
@@ -101,7 +102,8 @@ class SCurveMove(Trajectory):
         settings = replace(self.settings, rates=rates, final_velocity=_final(final_velocity, rates))
         goal = float(self.end_state[0]) if target is None else finite("target", target)
         x, v, a = before.end_state[:3].tolist()
-        return _as_move(_spliced(before, _planned((x, v, a), goal, settings)), settings)
+        plan = _planned((x, v, a), goal, settings)
+        return _as_move(_spliced(before, plan), plan, settings)
 
     def append(self, target: float, *, relative: bool = False, delay: float = 0.0) -> SCurveMove:
         """Return this move and another one with the same settings behind it.
@@ -119,8 +121,8 @@ class SCurveMove(Trajectory):
             raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
         before = self.until(self.end_time + delay)
         x, v, a = before.end_state[:3].tolist()
-        motion = _spliced(before, _planned((x, v, a), goal, self.settings))
-        return _as_move(motion, self.settings)
+        plan = _planned((x, v, a), goal, self.settings)
+        return _as_move(_spliced(before, plan), plan, self.settings)
 
 
 def s_curve_move(
@@ -208,11 +210,14 @@ def s_curve_move(
         raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
     begin = checked_state("start", start, Limits(jerk=1.0))
     goal = finite("target", target) + (begin[0] if relative else 0.0)
+    if jerk_percent is not None and begin[2] != 0.0:
+        raise ValueError(
+            f"start acceleration = {begin[2]!r} with a jerk percent, whose ramps begin at zero: "
+            "leave it out, or give jerks"
+        )
     settings = SCurveSettings(rates, _final(final_velocity, rates), no_reversal, dt)
-    motion = _planned(begin, goal, settings)
-    if delay:
-        motion = motion.delay(delay)
-    return _as_move(motion, settings)
+    plan = _planned(begin, goal, settings)
+    return _as_move(plan.delay(delay) if delay else plan, plan, settings)
 
 
 def _rates(
@@ -279,7 +284,9 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
                 raise OverflowError
             return motion
         return _trajectory(
-            plan(begin, target, settings.final_velocity, rates), target, settings.final_velocity
+            plan_move(begin, target, settings.final_velocity, rates),
+            target,
+            settings.final_velocity,
         )
 
     motion = in_range(planned)
@@ -333,11 +340,25 @@ def _spliced(before: Trajectory, after: Trajectory) -> Trajectory:
     )
 
 
-def _as_move(motion: Trajectory, settings: SCurveSettings) -> SCurveMove:
+def _as_move(motion: Trajectory, plan: Trajectory, settings: SCurveSettings) -> SCurveMove:
+    """Return a motion, its last part the plan, as a move."""
     move = SCurveMove.from_arrays(motion.breaks, motion.states, motion.durations, motion.end_state)
     fields = move.__dict__  # the way around `frozen`
-    fields["settings"], fields["remarks"] = settings, tuple(_remarks(settings))
+    fields["settings"], fields["remarks"] = (
+        settings,
+        (*_remarks(settings), *_excess(plan, settings)),
+    )
     return move
+
+
+def _excess(motion: Trajectory, settings: SCurveSettings) -> Iterator[str]:
+    """Yield what is to be said about a velocity that a plan has to bring down."""
+    fastest = motion.peak("velocity")
+    if fastest > settings.rates.velocity * (1.0 + _TURNS):
+        yield (
+            f"velocity reaches {fastest:g}, beyond {settings.rates.velocity:g}: it was there, or "
+            "on its way there, when the plan was made, and is brought down at once"
+        )
 
 
 def _remarks(settings: SCurveSettings) -> Iterator[str]:

@@ -40,7 +40,7 @@ class Rates:
     jerk_percent: float | None = None
 
 
-def plan(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
+def plan_move(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the pieces of a motion from a state to a position, passed at a final velocity.
 
     With a jerk percent the acceleration at the beginning is taken for zero.
@@ -68,7 +68,7 @@ def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates
     """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
     if _settling(begin[1], begin[2], rates) < 0.0:
         first, state = _to_zero(begin, rates)
-        return first + plan(state, target, final_velocity, rates)
+        return first + plan_move(state, target, final_velocity, rates)
     eased, begin = _ease(begin, rates)
     direct = _one_way(begin, target, final_velocity, rates)
     if direct is not None:

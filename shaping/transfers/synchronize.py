@@ -68,7 +68,9 @@ def synchronize(transfers: Iterable[Axis], mode: Mode = "both") -> tuple[Traject
     """
     if mode not in ("start", "end", "both", "straight-line"):
         raise ValueError(f"mode = {mode!r}: expected 'start', 'end', 'both' or 'straight-line'")
-    axes = [_planned(axis) for axis in transfers]
+    if isinstance(transfers, Transfer) or not isinstance(transfers, Iterable):
+        raise TypeError(f"transfers = {transfers!r}: expected a list with one entry per axis")
+    axes = [_planned(number, axis) for number, axis in enumerate(transfers)]
     if not axes:
         raise ValueError("transfers is empty: expected at least one axis")
     if mode == "straight-line":
@@ -81,13 +83,19 @@ def synchronize(transfers: Iterable[Axis], mode: Mode = "both") -> tuple[Traject
     return in_range(lambda: _both(axes))
 
 
-def _planned(axis: Axis) -> Transfer:
+def _planned(number: int, axis: Axis) -> Transfer:
     if isinstance(axis, Transfer):
         return axis
     if isinstance(axis, tuple | list) and len(axis) == 3:
-        return min_time_transfer(*axis)
+        try:
+            return min_time_transfer(*axis)
+        except InfeasibleError as error:
+            raise InfeasibleError(f"axis {number}: {error}", error.bound, error.nearest) from None
+        except ValueError as error:
+            raise ValueError(f"axis {number}: {error}") from None
     raise TypeError(
-        f"axis {axis!r}: expected what min_time_transfer returns, or (start, end, limits)"
+        f"axis {number} = {axis!r}: expected what min_time_transfer returns, or "
+        "(start, end, limits)"
     )
 
 

@@ -170,9 +170,9 @@ class Family:
         """Return the member of an arc at parameter s."""
         task, hold, dwell = self.task, 0.0, 0.0
         if kind == _FREE_Q:
-            p, q = sqrt(self.ratio + s * s), s
+            p, q = max(sqrt(self.ratio + s * s), task.a0), s
         elif kind == _FREE_P:
-            p, q = s, -sqrt(s * s - self.ratio)
+            p, q = s, min(-sqrt(s * s - self.ratio), task.a1)
         elif kind == _HOLD:
             p, q = task.a_max, s
             hold = max((self.c - self.kappa * (p - q) * (p + q)) / p, 0.0)

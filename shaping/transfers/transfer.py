@@ -17,7 +17,8 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     start, end : (position, velocity[, acceleration])
         In the limits' units. Numbers left out are zero; a single number is a position at rest.
         Acceleration is part of the state for order 3 only. The highest derivative may follow, as
-        `trajectory.evaluate(t)` gives it; it may jump and is not used.
+        `trajectory.evaluate(t)` gives it (at the very end `trajectory.end_state`, as it coasts
+        from there on); it may jump and is not used.
     limits : Limits
         Of order 2 (velocity and acceleration) or 3 (and jerk), each bound the same in both
         directions or not, velocity and acceleration bounded or not.
@@ -43,8 +44,9 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     The minimum is exact: the structures of both families (`third_order`) are enumerated, and the
     one unknown of each is found to the last bit. End state and bounds hold to 1e-10 relative to
     the motion's own scale, and neither depends on the units: problems are scaled by powers of
-    two first. Only the way to the end is held to the limits; an end at v_max with acceleration
-    left is reached, and leaves them afterwards.
+    two first. Bounds more than three decades apart between the two directions cost digits:
+    1e-9 at six decades, 1e-4 at ten. Only the way to the end is held to the limits; an end at
+    v_max with acceleration left is reached, and leaves them afterwards.
 
     References
     ----------
@@ -107,6 +109,11 @@ def velocity_transfer(
     """
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
+    if limits.order == 2 and acceleration != 0.0:
+        raise ValueError(
+            f"acceleration = {acceleration!r}: at order 2 it may jump and cannot be asked for; "
+            "leave it out, or bound jerk as well"
+        )
 
     def planned() -> Transfer:
         problem = Problem((position, v0, a0), (position, velocity, acceleration), limits)

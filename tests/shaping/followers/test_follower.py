@@ -245,13 +245,13 @@ def test_numbers_that_are_not_finite_are_refused(limits, value):
         follower.step((0.0,), value)
     with pytest.raises(ValueError, match=f"command_velocity = {value!r}: expected a finite"):
         follower.step((0.0,), 1.0, value)
-    with pytest.raises(ValueError, match=f"state = {value!r}: expected a finite"):
+    with pytest.raises(ValueError, match=rf"state\[1\] = {value!r}: expected a finite"):
         follower.step((0.0, value), 1.0)
     for name in ("commands", "command_velocities"):
         arrays = {"commands": [1.0, 2.0]} | {name: [1.0, value]}
         with pytest.raises(ValueError, match=f"{name}.*{value!r}"):
             follower.run(**arrays)
-    with pytest.raises(ValueError, match=f"state = {value!r}: expected a finite"):
+    with pytest.raises(ValueError, match=rf"state\[0\] = {value!r}: expected a finite"):
         follower.run([1.0], initial=(value,))
 
 

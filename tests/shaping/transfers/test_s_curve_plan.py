@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from jounce.shaping import min_time_transfer
 from jounce.shaping.limits import Limits
-from jounce.shaping.transfers.s_curve_plan import Rates, plan, stopping_place
+from jounce.shaping.transfers.s_curve_plan import Rates, plan_move, stopping_place
 
 SEEDS = range(100)
 ROUND = pytest.mark.parametrize("round_numbers", [False, True], ids=["generic", "round"])
@@ -108,8 +108,10 @@ def test_from_rest_to_rest_it_is_two_ramps(rates, distance, place):
     ],
 )
 def test_by_hand(start, target, final, expected):
-    text = f"plan({start!r}, {target!r}, {final!r}, {ALONE!r})"
-    assert duration(plan(start, target, final, ALONE)) == pytest.approx(expected, rel=1e-13), text
+    text = f"plan_move({start!r}, {target!r}, {final!r}, {ALONE!r})"
+    assert duration(plan_move(start, target, final, ALONE)) == pytest.approx(expected, rel=1e-13), (
+        text
+    )
 
 
 # Identities
@@ -249,7 +251,7 @@ def test_at_the_stopping_place_a_plan_ends_where_it_stops():
 @pytest.mark.parametrize("percent", [0.0, 0.25, 0.5, 1.0])
 def test_every_ramp_lasts_as_long_as_at_constant_acceleration(percent):
     rates = Rates(4.0, 2.0, 1.0, inf, inf, percent)
-    pieces = [piece for piece in plan((0.0, 0.0, 0.0), 16.0, 0.0, rates) if piece[0] > 0.0]
+    pieces = [piece for piece in plan_move((0.0, 0.0, 0.0), 16.0, 0.0, rates) if piece[0] > 0.0]
     assert duration(pieces) == pytest.approx(2.0 + 1.0 + 4.0, rel=1e-14)
     top = next(time for time, row in pieces if row[1] == 4.0 and row[2] == row[3] == 0.0)
     assert top == pytest.approx(1.0, rel=1e-14)
@@ -259,4 +261,4 @@ def test_every_ramp_lasts_as_long_as_at_constant_acceleration(percent):
 def test_by_percent_the_acceleration_of_the_start_is_left_out(percent):
     rates = Rates(4.0, 2.0, 1.0, inf, inf, percent)
     for begin in ((0.0, 1.0, 1.0), (0.0, 1.0, -1.0), (0.0, -1.0, 9.0), (2.0, 0.0, 1.0)):
-        assert plan(begin, 7.0, 0.0, rates) == plan((*begin[:2], 0.0), 7.0, 0.0, rates)
+        assert plan_move(begin, 7.0, 0.0, rates) == plan_move((*begin[:2], 0.0), 7.0, 0.0, rates)

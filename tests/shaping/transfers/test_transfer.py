@@ -17,7 +17,7 @@ from references import (
 )
 from strategies import TransferProblem, random_transfer, transfer_problems
 
-from jounce.shaping import Limits, min_time_transfer, velocity_transfer
+from jounce.shaping import Limits, min_time_transfer, min_time_transfers, velocity_transfer
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 SLOWEST_AXIS = (1, 3, 5, 7, 9, 11, 13, 17, 41)
@@ -285,3 +285,18 @@ def test_a_change_of_velocity_brings_its_start_inside():
     assert change.inside_after == pytest.approx(1.0, rel=1e-14)
     assert change.extremes("velocity") == pytest.approx((-1.0, 2.0), rel=1e-14)
     assert change.start_state[0] == 7.0
+
+
+# What once failed
+
+
+@pytest.mark.parametrize("acceleration", [-1e-8, -1e-10, -1e-12])
+def test_an_acceleration_that_is_next_to_nothing_still_starts_the_motion(acceleration):
+    """Rounding of its square made it zero, and the start another one."""
+    limits = Limits(1.0, 1.0, 1.0)
+    for transfer in (
+        min_time_transfer((0.0, 0.5, acceleration), (0.0, 0.5), limits),
+        min_time_transfers([0.0, 0.5, acceleration], [0.0, 0.5], limits).transfer(0),
+    ):
+        assert transfer.start_state[:3].tolist() == [0.0, 0.5, acceleration]
+        assert transfer.duration == pytest.approx(4.0, rel=1e-6)
