@@ -133,15 +133,14 @@ def _nearer(e: float, w: float, a: float, bounds: Task, time: float) -> float:
     From a command beyond twice the distance in which one could stop in the end, the motion
     until then is the same; and the position keeps its digits beside a command of 1e300.
     """
-    power = max(bounds.a_max, -bounds.a_min)
-    gentle = min(bounds.a_max, -bounds.a_min)
-    speed, stop = abs(w) + power * time, 0.0
+    power, gentle = (pick(bounds.a_max, -bounds.a_min) for pick in (max, min))
+    speed, turn = abs(w) + power * time, 0.0
     if bounds.rise < inf:
         jerk = min(bounds.rise, bounds.fall)
-        gain = abs(a) * time + 0.5 * max(bounds.rise, bounds.fall) * time * time
-        speed = abs(w) + min(gain, (abs(a) + power) * time)
-        stop = 2.0 * sqrt(speed / jerk) + 2.0 * (abs(a) + min(power, sqrt(speed * jerk))) / jerk
-    far = 4.0 * speed * (time + stop + speed / gentle)
+        push = min(abs(a) + max(bounds.rise, bounds.fall) * time, max(abs(a), power))
+        speed = abs(w) + push * (time + 0.5 * push / jerk)
+        turn = push / jerk + 2.0 * sqrt(speed / jerk)
+    far = 4.0 * speed * (time + turn + speed / gentle)
     return min(max(e, -far), far)
 
 
