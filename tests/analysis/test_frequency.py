@@ -1,0 +1,153 @@
+"""Frequency response of shapers: against 60 digits, closed forms, and the FFT of samples."""
+
+from math import inf, nan
+
+import mpmath
+import numpy as np
+import pytest
+
+from jounce.analysis import fft_frequency_response, frequency_response
+from jounce.shaping import (
+    JerkFilter,
+    Limits,
+    Trajectory,
+    min_jerk_move,
+    min_time_move,
+    min_time_transfer,
+    perfect_spline,
+)
+
+
+def in_60_digits(move, omega):
+    """Return H(jω) of the doubles that a move is made of, integrated by parts in each piece."""
+    with mpmath.workdps(60):
+        s, total, time = mpmath.mpc(0, omega), mpmath.mpc(0), mpmath.mpf(0)
+        for state, duration in zip(move.states.tolist(), move.durations.tolist(), strict=True):
+            row, tau = [mpmath.mpf(x) for x in state], mpmath.mpf(duration)
+            turned = mpmath.exp(-s * tau)
+            for k in range(1, len(row)):
+                end = mpmath.fsum(
+                    row[j] * tau ** (j - k) / mpmath.factorial(j - k) for j in range(k, len(row))
+                )
+                total += mpmath.exp(-s * time) * (row[k] - end * turned) / s**k
+            time += tau
+        return complex(total / mpmath.mpf(float(move.end_state[0] - move.start_state[0])))
+
+
+def random_move(order, seed):
+    rng = np.random.default_rng((order, seed))
+    bounds = [10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)]
+    return min_time_move(float(rng.choice([-1.7, 1.7])), Limits.from_bounds(bounds), start=0.3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("order", range(1, 8))
+def test_moves_in_60_digits(order, seed):
+    move = random_move(order, seed)
+    turns = np.array([1e-3, 0.1, 1.0, 3.0, 10.0, 30.0, 31.0, 100.0, 1e3, 1e5])
+    omega = turns / move.duration
+    found = frequency_response(move, omega).response
+    expected = np.array([in_60_digits(move, w) for w in omega])
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13, err_msg=repr(move))
+
+
+@pytest.mark.parametrize("order", range(1, 8))
+def test_zero_frequency_is_one_and_negative_ones_are_conjugate(order):
+    move = random_move(order, 9)
+    omega = np.array([0.0, 1e-9, 2.0, 50.0])
+    response = frequency_response(move, omega).response
+    assert response[0] == pytest.approx(1.0, abs=1e-14)
+    np.testing.assert_array_equal(frequency_response(move, -omega).response, response.conj())
+
+
+def test_a_rate_limited_move_is_a_boxcar():
+    omega = np.linspace(0.1, 40.0, 500)
+    found = frequency_response(min_time_move(3.0, Limits(velocity=1.5)), omega).response
+    expected = np.sinc(omega / np.pi) * np.exp(-1j * omega)  # over 2 time units
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
+def test_an_acceleration_limited_move_is_a_boxcar_squared():
+    omega = np.linspace(0.1, 40.0, 500)
+    found = frequency_response(min_time_move(4.0, Limits(acceleration=1.0)), omega).response
+    expected = (np.sinc(omega / np.pi) * np.exp(-1j * omega)) ** 2
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
+def test_a_delay_and_a_shift_change_nothing():
+    move = random_move(3, 1)
+    omega = np.geomspace(0.1, 1e4, 30)
+    expected = frequency_response(move, omega).response
+    for other in (move.delay(7.0), move.mirror(), move.scale(3.0)):
+        found = frequency_response(other, omega).response
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4, 6])
+def test_perfect_splines_roll_off_with_their_order(order):
+    move = perfect_spline(1.0, order, 1.0)
+    levels = []
+    for first in (1e3, 1e4):
+        omega = np.linspace(first, 1.5 * first, 20_001) / move.duration
+        response = frequency_response(move, omega).response
+        levels.append(np.sqrt(np.mean(np.abs(response * omega**order) ** 2)))
+    assert levels[1] == pytest.approx(levels[0], rel=0.02)
+
+
+def test_filters_and_products():
+    jerk_filter, move = JerkFilter(2.0, 6), random_move(2, 3)
+    omega = np.geomspace(0.01, 1e3, 40)
+    alone = frequency_response(jerk_filter, omega).response
+    np.testing.assert_allclose(alone, (1.0 + 1j * omega / (4.0 * np.pi)) ** -6.0, rtol=1e-13)
+    both = frequency_response(move, omega, jerk_filter=jerk_filter).response
+    np.testing.assert_allclose(both, alone * frequency_response(move, omega).response, rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["order 2", "order 5", "minimum jerk"])
+def test_the_fft_agrees_as_far_as_it_can_be_trusted(name):
+    moves = {"order 2": random_move(2, 0), "order 5": random_move(5, 0)}
+    move = moves.get(name) or min_jerk_move(2.0, duration=3.0)
+    sampled = fft_frequency_response(move, move.duration / 5000.0, padding=4)
+    known = sampled.omega <= sampled.trusted_omega
+    exact = frequency_response(move, sampled.omega).response
+    np.testing.assert_allclose(sampled.response[known], exact[known], rtol=0, atol=1e-4)
+    assert sampled.omega[0] == 0.0
+    assert sampled.omega[-1] == pytest.approx(np.pi * 5000.0 / move.duration, rel=1e-3)
+
+
+def test_a_single_frequency_and_gains():
+    result = frequency_response(min_time_move(2.0, Limits(velocity=1.0)), 0.0)
+    assert result.response.shape == result.omega.shape == (1,)
+    assert result.gain_db == pytest.approx([0.0], abs=1e-12)
+    assert result.trusted_omega == inf
+
+
+@pytest.mark.parametrize("omega", [nan, inf, [1.0, nan]])
+def test_frequencies_that_are_not_finite_are_refused(omega):
+    with pytest.raises(ValueError, match="omega must be finite"):
+        frequency_response(JerkFilter(1.0, 2), omega)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        min_time_transfer((0.0, 1.0), 3.0, Limits(2.0, 1.0)),
+        min_time_transfer(0.0, (3.0, 1.0), Limits(2.0, 1.0)),
+        min_time_move(0.0, Limits(acceleration=1.0)),
+        Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
+    ],
+    ids=["moving start", "moving end", "nowhere", "coasting"],
+)
+def test_what_is_no_move_from_rest_to_rest_is_refused(motion):
+    for response in (
+        lambda: frequency_response(motion, 1.0),
+        lambda: fft_frequency_response(motion, 0.1),
+    ):
+        with pytest.raises(ValueError, match="expected a move from rest to rest"):
+            response()
+
+
+@pytest.mark.parametrize(("dt", "padding"), [(0.0, 2), (nan, 2), (0.1, 0), (0.1, 1001), (0.1, 1.5)])
+def test_wrong_sampling_is_refused(dt, padding):
+    with pytest.raises(ValueError, match=r"^(dt|padding) = "):
+        fft_frequency_response(random_move(2, 0), dt, padding)
