@@ -1,6 +1,13 @@
 """Margins and surveys of servo loops, scenario files, tables, pictures and the command line."""
 
-from .frequency import FrequencyResponse, fft_frequency_response, frequency_response
+from .frequency import (
+    FrequencyResponse,
+    corner_omega,
+    fft_frequency_response,
+    frequency_response,
+    null_omegas,
+    rollover_db_per_decade,
+)
 from .margins import LoopMargins, loop_margins
 from .scenario import Scenario, ScenarioError, load_scenario
 from .survey import Survey, UnstableLoopError, survey
@@ -12,9 +19,12 @@ __all__ = [
     "ScenarioError",
     "Survey",
     "UnstableLoopError",
+    "corner_omega",
     "fft_frequency_response",
     "frequency_response",
     "load_scenario",
     "loop_margins",
+    "null_omegas",
+    "rollover_db_per_decade",
     "survey",
 ]

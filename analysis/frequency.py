@@ -149,6 +149,99 @@ def fft_frequency_response(
     return FrequencyResponse(omega, response, 0.1 * np.pi / dt)
 
 
+def corner_omega(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> float:
+    """Return the lowest frequency at which |H| has fallen to 1/√2 (−3 dB), to the last digits.
+
+    Parameters
+    ----------
+    shaper, jerk_filter
+        As in `frequency_response`.
+
+    Returns
+    -------
+    float
+        In radians per time unit.
+
+    Examples
+    --------
+    >>> from jounce.shaping import JerkFilter
+    >>> round(corner_omega(JerkFilter(1.0, 1)) / (2.0 * np.pi), 12)
+    1.0
+    """
+    from scipy.optimize import brentq
+
+    def excess(omega: float) -> float:
+        response = frequency_response(shaper, omega, jerk_filter=jerk_filter).response[0]
+        return float(abs(response) ** 2 - 0.5)
+
+    low = high = 0.01 * _pace(shaper, jerk_filter)
+    while excess(high) > 0.0:
+        low, high = high, 1.05 * high
+    return float(brentq(excess, low, high, xtol=1e-15 * high, rtol=1e-14))
+
+
+def rollover_db_per_decade(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> float:
+    """Return by how much the envelope of |H| falls per decade at high frequencies.
+
+    20 dB for the order of the lowest derivative that jumps, and for every lag of a filter.
+    """
+    order = shaper.order if isinstance(shaper, JerkFilter) else shaper.lowest_jump()
+    return 20.0 * (order + (0 if jerk_filter is None else jerk_filter.order))
+
+
+def null_omegas(trajectory: Trajectory, highest: float) -> FloatArray:
+    """Return the frequencies up to a highest one at which the response is zero.
+
+    Those of a motion that runs backwards as it runs forwards: H(jω)·e^(jωT/2) is real, and its
+    changes of sign are found to the last digits. Other motions have minima, but no nulls.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        A move from rest to rest.
+    highest : float
+        In radians per time unit; positive.
+
+    Returns
+    -------
+    (K,) array
+        Increasing, in radians per time unit; empty for a motion that is not symmetric in time.
+        A double null, at which the sign stays, is not found.
+    """
+    from scipy.optimize import brentq
+
+    duration = trajectory.duration
+    count = int(np.ceil(4.0 * positive("highest", highest) * duration)) + 8
+    omega = np.linspace(0.0, highest, count)
+
+    def turned(frequencies: ArrayLike) -> ComplexArray:
+        result = frequency_response(trajectory, frequencies)
+        return np.asarray(result.response * np.exp(0.5j * result.omega * duration))
+
+    values = turned(omega)
+    if np.abs(values.imag).max() > _ROUNDING:
+        return np.empty(0)
+    changes = np.flatnonzero(values.real[:-1] * values.real[1:] < 0.0)
+    found = [
+        brentq(lambda w: turned(w)[0].real, omega[i], omega[i + 1], xtol=1e-15 * highest)
+        for i in changes
+    ]
+    exact = omega[values.real == 0.0]
+    return np.sort(np.concatenate([found, exact]))
+
+
+def _pace(shaper: Shaper, jerk_filter: JerkFilter | None) -> float:
+    """Return a frequency below which nothing happens but at a hundredth of it."""
+    paces = [
+        shaper.omega / shaper.order
+        if isinstance(shaper, JerkFilter)
+        else 1.0 / max(shaper.duration, 1e-300)
+    ]
+    if jerk_filter is not None:
+        paces.append(jerk_filter.omega / jerk_filter.order)
+    return min(paces)
+
+
 def _of_filter(jerk_filter: JerkFilter, omega: FloatArray) -> ComplexArray:
     return np.asarray((1.0 + 1j * omega / jerk_filter.omega) ** -jerk_filter.order)
 

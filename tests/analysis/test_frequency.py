@@ -6,7 +6,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from jounce.analysis import fft_frequency_response, frequency_response
+from jounce.analysis import (
+    corner_omega,
+    fft_frequency_response,
+    frequency_response,
+    null_omegas,
+    rollover_db_per_decade,
+)
 from jounce.shaping import (
     JerkFilter,
     Limits,
@@ -151,3 +157,60 @@ def test_what_is_no_move_from_rest_to_rest_is_refused(motion):
 def test_wrong_sampling_is_refused(dt, padding):
     with pytest.raises(ValueError, match=r"^(dt|padding) = "):
         fft_frequency_response(random_move(2, 0), dt, padding)
+
+
+# Figures of a response
+
+
+@pytest.mark.parametrize("order", [1, 2, 6, 20])
+def test_the_corner_of_a_filter(order):
+    expected = 2.0 * np.pi * 3.0 * np.sqrt(2.0 ** (1.0 / order) - 1.0)
+    assert corner_omega(JerkFilter(3.0, order)) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_the_corner_of_a_boxcar(unit):
+    """Half the power at sin(x)/x = 1/√2, x = ωT/2 = 1.39155737825."""
+    move = min_time_move(2.0, Limits(velocity=1.0 / unit))
+    assert corner_omega(move) * unit == pytest.approx(1.391557378251510, rel=1e-12)
+
+
+def test_the_corner_behind_a_filter_is_lower_than_either():
+    move, jerk_filter = random_move(3, 2), JerkFilter(1.0, 6)
+    both = corner_omega(move, jerk_filter=jerk_filter)
+    assert both < min(corner_omega(move), corner_omega(jerk_filter))
+    [response] = frequency_response(move, both, jerk_filter=jerk_filter).response
+    assert abs(response) ** 2 == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", range(1, 7))
+def test_the_rollover_is_that_of_the_lowest_jump(order):
+    move = perfect_spline(1.0, order, 1.0)
+    assert rollover_db_per_decade(move) == 20.0 * order
+    assert rollover_db_per_decade(move, jerk_filter=JerkFilter(1.0, 6)) == 20.0 * (order + 6)
+    assert rollover_db_per_decade(JerkFilter(1.0, order)) == 20.0 * order
+
+
+def test_the_rollover_of_a_minimum_jerk_move_is_that_of_its_jerk():
+    assert rollover_db_per_decade(min_jerk_move(1.0, duration=1.0)) == 60.0
+
+
+def test_nulls_of_two_boxcars():
+    """Velocity ramps of 0.5 and a cruise: boxcars of 2 and 0.5 time units."""
+    move = min_time_move(2.0, Limits(velocity=1.0, acceleration=2.0))
+    nulls = null_omegas(move, 14.0)
+    expected = np.sort([np.pi, 2.0 * np.pi, 3.0 * np.pi, 4.0 * np.pi])
+    double = 4.0 * np.pi  # a null of both: the sign stays
+    assert nulls == pytest.approx(expected[np.abs(expected - double) > 1e-9], rel=1e-12)
+
+
+def test_nulls_are_zeros_whatever_the_order():
+    move = min_time_move(1.0, Limits(velocity=1.0, acceleration=3.0, jerk=20.0))
+    nulls = null_omegas(move, 60.0)
+    assert len(nulls) > 5
+    assert np.abs(frequency_response(move, nulls).response).max() < 1e-13
+
+
+def test_a_move_that_is_not_symmetric_has_no_nulls():
+    move = min_time_move(1.0, Limits(velocity=1.0, acceleration=(-1.0, 3.0)))
+    assert null_omegas(move, 50.0).size == 0
