@@ -13,8 +13,8 @@ import numpy as np
 
 from ..pieces import FloatArray
 from .batch_tasks import Indices, Mask, Profiles, Tasks, mirror_where, put, take
+from .jerk_profile import Profile, ramp, travelled
 from .task import ROUNDING
-from .third_order import Profile, ramp, travelled
 
 _profile: Any = Profile  # of arrays
 

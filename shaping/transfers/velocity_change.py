@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf, sqrt
 from typing import NamedTuple
 
+from .jerk_profile import ramp
 from .task import ROUNDING, Piece, Task
-from .third_order import ramp
 
 
 class Change(NamedTuple):

@@ -178,4 +178,5 @@ def test_a_single_sample(ax):
     response = CommandFollower(Limits(1.0, 1.0), dt=0.1).run([1.0])
     plots.plot_following(response, ax=ax)
     plots.plot_phase_plane(response, ax=ax)
+    assert len(ax.lines[0].get_xdata()) == 1
     render(ax.figure)

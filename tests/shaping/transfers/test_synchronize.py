@@ -403,4 +403,5 @@ def test_a_tiny_distance_back_is_a_motion_too():
 def test_axes_that_end_together_but_for_rounding_need_not_wait():
     f, v = 5.167034084532541, 0.8108346533866836
     unit, scaled = Limits(1.0, 1.0), Limits(f, f)
-    synchronize([((0.0, v), 3.0, unit), ((0.0, v * f), 3 * f, scaled)], "end")
+    pair = synchronize([((0.0, v), 3.0, unit), ((0.0, v * f), 3 * f, scaled)], "end")
+    assert pair[0].end_time == pytest.approx(pair[1].end_time, rel=1e-14)

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from references import assert_sound_transfer, reachable_distances
 from strategies import random_transfer, transfer_problems
 
-from jounce.shaping.transfers.third_order import Family, quadratic, ramp
+from jounce.shaping.transfers.jerk_profile import ramp
+from jounce.shaping.transfers.third_order import Family, quadratic
 
 PARTS = st.floats(0.0, 1.0, width=32)
 NUMBERS = st.integers(-600, 600).map(lambda number: number / 64.0)
