@@ -31,6 +31,7 @@ readme: $(VENV)/.installed-dev
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
+	$(BIN)/python -m compileall -q shaping plant analysis # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 
 # The stamp files keep a second run from installing again.

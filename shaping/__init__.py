@@ -1,18 +1,40 @@
 """Trajectories with bounded derivatives: limits in, exact piecewise polynomials out."""
 
-from .followers.follower import CommandFollower, FollowerResponse
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from .jerk_filter import FilterResponse, JerkFilter
 from .limits import Limits
 from .min_jerk import min_jerk_move
 from .moves import bound_for_rise_time, min_time_move, perfect_spline
 from .rise import switch_fractions
 from .trajectory import Trajectory
-from .transfers.batch import TransferBatch, min_time_transfers
-from .transfers.infeasible import InfeasibleError
-from .transfers.problem import Transfer
-from .transfers.s_curve import SCurveMove, s_curve_move
-from .transfers.synchronize import synchronize
-from .transfers.transfer import min_time_transfer, velocity_transfer
+
+if TYPE_CHECKING:
+    from .followers.follower import CommandFollower, FollowerResponse
+    from .transfers.batch import TransferBatch, min_time_transfers
+    from .transfers.infeasible import InfeasibleError
+    from .transfers.problem import Transfer
+    from .transfers.s_curve import SCurveMove, s_curve_move
+    from .transfers.synchronize import synchronize
+    from .transfers.transfer import min_time_transfer, velocity_transfer
+
+# Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
+_LATER = {
+    "CommandFollower": "followers.follower",
+    "FollowerResponse": "followers.follower",
+    "InfeasibleError": "transfers.infeasible",
+    "SCurveMove": "transfers.s_curve",
+    "Transfer": "transfers.problem",
+    "TransferBatch": "transfers.batch",
+    "min_time_transfer": "transfers.transfer",
+    "min_time_transfers": "transfers.batch",
+    "s_curve_move": "transfers.s_curve",
+    "synchronize": "transfers.synchronize",
+    "velocity_transfer": "transfers.transfer",
+}
 
 __all__ = [
     "CommandFollower",
@@ -36,3 +58,11 @@ __all__ = [
     "synchronize",
     "velocity_transfer",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_LATER[name]}", __name__), name)
+    globals()[name] = value
+    return value

@@ -45,8 +45,26 @@ def test_packages_only_export(package):
     tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
     assert ast.get_docstring(tree), f"{package} has no docstring"
     for node in tree.body[1:]:
-        exports = isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            assert all(isinstance(inner, ast.ImportFrom) for inner in node.body)
+            continue
+        table = isinstance(node, ast.Assign) and ast.unparse(node.targets[0])
+        later = isinstance(node, ast.FunctionDef) and node.name == "__getattr__"
+        exports = table in ("__all__", "_LATER") or later
         assert exports or isinstance(node, ast.Import | ast.ImportFrom), ast.unparse(node)
+
+
+def test_what_is_imported_later_is_the_same_and_not_there_before():
+    code = (
+        "import sys, jounce.shaping as s; "
+        "assert not any(n.startswith(('jounce.shaping.transfers', 'jounce.shaping.followers')) "
+        "for n in sys.modules); "
+        "assert sorted(s._LATER) == sorted(n for n in s.__all__ if n not in dir(s)); "
+        "from jounce.shaping.transfers.problem import Transfer; assert s.Transfer is Transfer"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = importlib.import_module("jounce.shaping").nothing
 
 
 def test_examples_in_docstrings_run():
