@@ -130,7 +130,7 @@ def follow_course(
 def _nearer(e: float, w: float, a: float, bounds: Task, time: float) -> float:
     """Return a position as seen from a command that is no farther than matters within a time.
 
-    From a command beyond twice the distance in which one could stop in the end, the motion
+    From a command beyond some times the distance in which one could stop in the end, the motion
     until then is the same; and the position keeps its digits beside a command of 1e300.
     """
     power, gentle = (pick(bounds.a_max, -bounds.a_min) for pick in (max, min))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import remainder
 
 import numpy as np
@@ -149,13 +150,10 @@ class CommandFollower:
         velocity = finite("command_velocity", command_velocity)
         begin = self._checked_state(state)
         if self.order == 2 and self.jerk_filter is None:
-            (low, high), (slowest, fastest) = self.limits.bounds(1), self.limits.bounds(2)
+            bounds = self._bounds
+            kept = min(max(velocity, bounds.v_min), bounds.v_max)
             return second_order.sample(
-                (begin[0], begin[1]),
-                *(command, min(max(velocity, low), high)),
-                second_order.Bounds(low, high, fastest, -slowest),
-                self.dt,
-                self.period,
+                (begin[0], begin[1]), command, kept, bounds, self.dt, self.period
             )
         rows, lags = self._planned(begin, np.array([command]), np.array([velocity]))
         return (*rows[:, 1].tolist(), *lags[:, 1].tolist())
@@ -250,14 +248,13 @@ class CommandFollower:
         Both begin with the initial ones.
         """
         own = self.order + 1
-        low, high = self.limits.bounds(1)
-        kept, bounds = np.clip(velocities, low, high), self._bounds()
+        bounds = self._bounds
+        kept = np.clip(velocities, bounds.v_min, bounds.v_max)
         if self.period is not None:
             commands = np.fmod(commands, self.period)  # exact, as the difference to x would not be
         if self.order == 2:
-            of_order_2 = second_order.Bounds(low, high, bounds.a_max, -bounds.a_min)
             rows = second_order.follow(
-                (begin[0], begin[1]), commands, kept, of_order_2, self.dt, self.period
+                (begin[0], begin[1]), commands, kept, bounds, self.dt, self.period
             )
         else:
             rows = third_order.follow(
@@ -271,6 +268,7 @@ class CommandFollower:
             self.jerk_filter, begin[own:], states, commands.tolist(), kept.tolist()
         )
 
+    @cached_property
     def _bounds(self) -> Task:
         """Return a task of which only the bounds count."""
         (fall, rise), (v_min, v_max) = self.limits.bounds(3), self.limits.bounds(1)
@@ -287,7 +285,7 @@ class CommandFollower:
     ) -> FloatArray:
         """Return the lags (m, N + 1) behind the states."""
         lags = Lags(jerk_filter, self.order, self.dt)
-        rows, bounds = states.T.tolist(), self._bounds()
+        rows, bounds = states.T.tolist(), self._bounds
         history = [np.array(initial)]
         for before, after, r, u in zip(rows, rows[1:], commands, velocities, strict=False):
             if one_piece(before, after, self.dt):

@@ -10,34 +10,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, repeat
-from math import inf, remainder, sqrt
-from typing import NamedTuple
+from math import remainder, sqrt
 
 import numpy as np
 
 from ..pieces import FloatArray
+from ..transfers import batch_tasks
+from ..transfers.brake import inside
 from ..transfers.task import Task
 from .approach import courses, follow_course
 
 _RESOLUTION = 2.0**-50  # of a command's position: what is nearer is there
-_ROUNDED_UP = 1.0 + 2.0**-50
 _LONG = 64  # samples on one course that are cheaper as one motion
-
-
-class Bounds(NamedTuple):
-    """Bounds on velocity, and the magnitudes of those on acceleration."""
-
-    v_min: float
-    v_max: float
-    up: float
-    down: float
 
 
 def follow(
     start: tuple[float, float],
     commands: FloatArray,
     velocities: FloatArray,
-    bounds: Bounds,
+    bounds: Task,
     dt: float,
     period: float | None = None,
 ) -> FloatArray:
@@ -50,7 +41,8 @@ def follow(
     commands, velocities : (N,) arrays
         Position of the command when each sample begins, and its velocity during the sample,
         within the bounds.
-    bounds : Bounds
+    bounds : Task
+        Of which only the bounds on velocity and acceleration are used.
     dt : float
         Length of a sample.
     period : float, optional
@@ -65,20 +57,16 @@ def follow(
     edges = courses(commands, velocities, dt)
     long = edges[:-1][np.diff(edges) >= _LONG]
     parts = np.unique([0, *long, *edges[1:][np.diff(edges) >= _LONG], len(commands)])
-    v_min, v_max, up, down = bounds
-    task = Task(0.0, 0.0, 0.0, 0.0, 0.0, v_min, v_max, -down, up, inf, inf)
     for i, j in pairwise(parts.tolist()):
         some = slice(i, j)
         if i in long:
             state, velocity = (*start, 0.0), float(velocities[i])
-            rows[:, some] = follow_course(state, commands[some], velocity, task, dt, period)
+            rows[:, some] = follow_course(state, commands[some], velocity, bounds, dt, period)
         else:
             each = _samples(commands[some], velocities[some])
             rows[:, some] = _follow(start, each, bounds, dt, period)
         start = float(rows[0, j - 1]), float(rows[1, j - 1])
-    for bound in (v_min, v_max):
-        speeds = rows[1] / bound
-        rows[1, (speeds > 1.0) & (speeds <= _ROUNDED_UP)] = bound
+    rows[1] = batch_tasks.inside(rows[1], bounds.v_min, bounds.v_max)
     return rows
 
 
@@ -93,17 +81,14 @@ def sample(
     start: tuple[float, float],
     command: float,
     velocity: float,
-    bounds: Bounds,
+    bounds: Task,
     dt: float,
     period: float | None = None,
 ) -> tuple[float, float, float]:
     """Return position, velocity and acceleration after a single sample, as `follow`."""
     one = command, velocity, _RESOLUTION * abs(command)
     [x], [v], [a] = _follow(start, [one], bounds, dt, period)
-    for bound in (bounds.v_min, bounds.v_max):
-        if 1.0 < v / bound <= _ROUNDED_UP:
-            v = bound
-    return x, v, a
+    return x, inside(v, bounds.v_min, bounds.v_max), a
 
 
 Lists = tuple[list[float], list[float], list[float]]
@@ -112,7 +97,7 @@ Lists = tuple[list[float], list[float], list[float]]
 def _follow(
     start: tuple[float, float],
     samples: Iterable[tuple[float, float, float]],
-    bounds: Bounds,
+    bounds: Task,
     dt: float,
     period: float | None,
 ) -> Lists:
@@ -120,7 +105,7 @@ def _follow(
 
     A sample is a command, its velocity, and how near to the command counts as there.
     """
-    v_min, v_max, up, down = bounds
+    v_min, v_max, up, down = bounds.v_min, bounds.v_max, bounds.a_max, -bounds.a_min
     half_up, half_down, lift = 0.5 / up, 0.5 / down, 2.0 * up * down / (up + down)
     gain_up, gain_down, half_dt = up * dt, down * dt, 0.5 * dt
     out: Lists = [], [], []

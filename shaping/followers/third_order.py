@@ -11,7 +11,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..pieces import FloatArray
-from ..transfers.task import ROUNDING, Task
+from ..transfers.batch_tasks import inside
+from ..transfers.task import Task
 from .approach import courses, follow_course
 
 
@@ -34,7 +35,5 @@ def follow(
         velocity = float(velocities[i])
         rows[:, i:j] = follow_course(state, commands[i:j], velocity, bounds, dt, period)
         state = tuple(rows[:3, j - 1].tolist())
-    for bound in (bounds.v_min, bounds.v_max):
-        speeds = rows[1] / bound
-        rows[1, (speeds > 1.0) & (speeds <= 1.0 + ROUNDING)] = bound
+    rows[1] = inside(rows[1], bounds.v_min, bounds.v_max)
     return rows

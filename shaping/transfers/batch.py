@@ -15,9 +15,9 @@ from ..pieces import FloatArray
 from ..trajectory_checks import finite_array
 from . import batch_second, batch_third
 from .batch_brake import brake, outside
-from .batch_tasks import Mask, Tasks, choose, put, take
+from .batch_tasks import Mask, Tasks, choose, inside, put, take
 from .problem import Transfer, check_order
-from .task import ROUNDING, Task
+from .task import Task
 from .transfer import min_time_transfer
 
 _TINY = np.finfo(float).tiny
@@ -246,22 +246,13 @@ def _tasks(begin: FloatArray, finish: FloatArray, bounds: FloatArray) -> Tasks:
     make: Any = Task
     return make(
         finish[:, 0] - begin[:, 0],
-        _inside(begin[:, 1], v_min, v_max),
-        _inside(begin[:, 2], a_min, a_max) if order == 3 else nothing,
-        _inside(finish[:, 1], v_min, v_max),
-        _inside(finish[:, 2], a_min, a_max) if order == 3 else nothing,
+        inside(begin[:, 1], v_min, v_max),
+        inside(begin[:, 2], a_min, a_max) if order == 3 else nothing,
+        inside(finish[:, 1], v_min, v_max),
+        inside(finish[:, 2], a_min, a_max) if order == 3 else nothing,
         *(v_min, v_max, a_min, a_max, fall, rise),
         2.0**-52 * np.maximum(np.abs(begin[:, 0]), np.abs(finish[:, 0])),
     )
-
-
-def _inside(values: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return values with an excess over their bounds that is mere rounding cut off."""
-    with np.errstate(invalid="ignore"):
-        values = np.where(
-            (values > high) & (values <= high + ROUNDING * np.abs(high)), high, values
-        )
-        return np.where((values < low) & (values >= low - ROUNDING * np.abs(low)), low, values)
 
 
 def _own_units(tasks: Tasks) -> tuple[FloatArray, FloatArray]:

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..pieces import FloatArray
+from .task import ROUNDING
+
 Tasks = Any
 """A `Task` of arrays."""
 
@@ -38,3 +41,12 @@ def put(rows: Any, which: Any, others: Any) -> Any:
     for field, values in zip(replaced, others, strict=True):
         field[which] = values
     return type(rows)(*replaced)
+
+
+def inside(values: FloatArray, low: FloatArray | float, high: FloatArray | float) -> FloatArray:
+    """Return values, an excess over their bounds that is mere rounding cut off: `brake.inside`."""
+    with np.errstate(invalid="ignore"):
+        values = np.where(
+            (values > high) & (values <= high + ROUNDING * np.abs(high)), high, values
+        )
+        return np.where((values < low) & (values >= low - ROUNDING * np.abs(low)), low, values)

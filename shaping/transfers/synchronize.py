@@ -75,11 +75,10 @@ def synchronize(transfers: Iterable[Axis], mode: Mode = "both") -> tuple[Traject
         raise ValueError("transfers is empty: expected at least one axis")
     if mode == "straight-line":
         return _straight_line(axes)
-    started = [axis.delay(-axis.start_time) if axis.start_time else axis for axis in axes]
     if mode == "start":
-        return tuple(started)
+        return tuple(axes)
     if mode == "end":
-        return _ending_together(started)
+        return _ending_together(axes)
     return in_range(lambda: _both(axes))
 
 
@@ -99,7 +98,7 @@ def _planned(number: int, axis: Axis) -> Transfer:
     )
 
 
-def _ending_together(axes: list[Trajectory]) -> tuple[Trajectory, ...]:
+def _ending_together(axes: list[Transfer]) -> tuple[Trajectory, ...]:
     latest = max(axis.duration for axis in axes)
     for number, axis in enumerate(axes):
         waits = axis.duration < latest * (1.0 - ROUNDING)
@@ -114,13 +113,13 @@ def _ending_together(axes: list[Trajectory]) -> tuple[Trajectory, ...]:
 def _both(axes: list[Transfer]) -> tuple[Trajectory, ...]:
     problems = [Problem(*_ends(axis), axis.limits) for axis in axes]
     duration = _common_duration([problem.possible_durations() for problem in problems])
-    together: list[Trajectory] = []
+    together = []
     for axis, problem in zip(axes, problems, strict=True):
         slowest = axis.duration >= duration * (1.0 - ROUNDING)
         plan = axis if slowest else problem.lasting(duration)
         if plan is None:
             raise unreachable(*problem.end[1:], problem.limits)
-        together.append(plan.delay(-plan.start_time) if plan.start_time else plan)
+        together.append(plan)
     return tuple(together)
 
 
@@ -149,7 +148,7 @@ def _next_possible(intervals: list[tuple[float, float]], duration: float) -> flo
     """Return the shortest possible duration that is no shorter than the one given."""
     for low, high in intervals:
         if duration <= high * (1.0 + ROUNDING):
-            return max(low, duration) if low > duration * (1.0 + ROUNDING) else duration
+            return low if low > duration * (1.0 + ROUNDING) else duration
     return inf
 
 
@@ -170,7 +169,7 @@ def _straight_line(axes: list[Transfer]) -> tuple[Trajectory, ...]:
     for number, (axis, span) in enumerate(zip(axes, spans, strict=True)):
         _check_on_line(number, axis, span, axes[longest], spans[longest])
     if spans[longest] == 0.0:
-        return tuple(axis.delay(-axis.start_time) for axis in axes)
+        return tuple(axes)
     bounds = []
     for k in range(1, order + 1):
         sides = [

@@ -5,6 +5,7 @@ import pytest
 from batches import stacked, unstacked
 from strategies import random_transfer
 
+from jounce.shaping.transfers import batch_tasks, brake
 from jounce.shaping.transfers.batch_tasks import choose, mirror_where, put, take
 
 COUNT = 8
@@ -56,3 +57,11 @@ def test_put_replaces_some_rows(which):
     assert unstacked(replaced) == expected
     assert unstacked(put(replaced, which, take(MANY, which))) == TASKS
     assert not any(np.shares_memory(a, b) for a, b in zip(replaced, MANY, strict=True))
+
+
+def test_inside_is_that_of_each():
+    low, high = -2.0, 3.0
+    values = np.array([x * (1.0 + k * 2.0**-52) for x in (low, 0.0, high) for k in (-9, 0, 9, 99)])
+    expected = [brake.inside(value, low, high) for value in values.tolist()]
+    assert batch_tasks.inside(values, low, high).tolist() == expected
+    assert batch_tasks.inside(values, -np.inf, np.inf).tolist() == values.tolist()
