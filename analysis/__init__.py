@@ -1,6 +1,8 @@
 """Margins and surveys of servo loops, scenario files, tables, pictures and the command line."""
 
-from .frequency import (
+from .margins import LoopMargins, loop_margins
+from .scenario import Scenario, ScenarioError, load_scenario
+from .shapers import (
     FrequencyResponse,
     corner_omega,
     fft_frequency_response,
@@ -8,8 +10,6 @@ from .frequency import (
     null_omegas,
     rollover_db_per_decade,
 )
-from .margins import LoopMargins, loop_margins
-from .scenario import Scenario, ScenarioError, load_scenario
 from .survey import Survey, UnstableLoopError, survey
 
 __all__ = [

@@ -148,7 +148,7 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
         writers[csv] = lambda draft: write_rows(draft, header, rows)
     if plot is not None:
         check_picture(plot)
-        from .motion_plots import plot_trajectory
+        from .plots import plot_trajectory
 
         figure = plot_trajectory(plan.trajectory, unit=plan.unit, scale=plan.scale)
         writers[plot] = lambda draft: save_figure(figure, draft)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from jounce.analysis import motion_plots as plots
+from jounce.analysis.plots import motions as plots
 from jounce.shaping import CommandFollower, FollowerResponse, Limits, Trajectory, min_time_move
 
 COMMANDS = [0.0, 1.0, 1.0, 1.0, 1.0, -2.0, -2.0, -2.0, 0.5, 0.5, 0.5, 0.5]

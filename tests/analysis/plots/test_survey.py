@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from jounce.analysis import load_scenario, plots, survey
+from jounce.analysis import load_scenario, survey
+from jounce.analysis.plots import survey as plots
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 OF_SURVEY = ("plot_loop_gain", "plot_loop_phase", "plot_nichols", "plot_sensitivities")
 OF_MOVE = ("plot_move", "plot_torque", "plot_tracking_error", "plot_wrong_inertia")
 SEVERAL_CURVES = ("plot_nichols", "plot_sensitivities", *OF_MOVE)

@@ -1,4 +1,4 @@
-"""Pictures of results: each function takes a result and an Axes, draws, returns the Axes."""
+"""Pictures of a survey: the loop and its first move on one page, panel by panel."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from matplotlib.ticker import MultipleLocator
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..shaping.pieces import FloatArray
-    from .step import StepResponse
-    from .survey import MoveSurvey, Survey
+    from ...shaping.pieces import FloatArray
+    from ..step import StepResponse
+    from ..survey import MoveSurvey, Survey
 
 _BLUE, _ORANGE, _GREEN, _RED, _GREY = "#0b5394", "#e07b00", "#2e7d32", "#b3261e", "#666666"
 _CURVE_POINTS = 400  # per piece-wise or frequency curve: smooth at any size of paper

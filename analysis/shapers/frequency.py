@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..shaping import JerkFilter, Trajectory
-from ..shaping.checks import positive, whole
-from ..shaping.pieces import evaluate
-from ..shaping.trajectory_checks import finite_array
+from ...shaping import JerkFilter, Trajectory
+from ...shaping.checks import positive, whole
+from ...shaping.pieces import evaluate
+from ...shaping.trajectory_checks import finite_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ..shaping.pieces import FloatArray
+    from ...shaping.pieces import FloatArray
 
     ComplexArray = NDArray[np.complex128]
 

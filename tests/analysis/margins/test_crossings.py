@@ -7,9 +7,9 @@ import control
 import numpy as np
 import pytest
 
-from jounce.analysis.crossings import level_crossings, stationary_points
-from jounce.analysis.factored_loop import HIGHEST, LOWEST, FactoredLoop
 from jounce.analysis.margins import loop_margins
+from jounce.analysis.margins.crossings import level_crossings, stationary_points
+from jounce.analysis.margins.factored_loop import HIGHEST, LOWEST, FactoredLoop
 
 NONE = np.empty(0, complex)
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..shaping import FollowerResponse, Trajectory
-from ..shaping.derivatives import derivative_name
+from ...shaping import FollowerResponse, Trajectory
+from ...shaping.derivatives import derivative_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..shaping.pieces import FloatArray
+    from ...shaping.pieces import FloatArray
 
 _BLUE, _ORANGE, _GREY = "#0b5394", "#e07b00", "#666666"
 _STYLES = ("-", "--", "-.", ":")

@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from jounce.analysis.factored_loop import HIGHEST, LOWEST, factored, is_stable
+from jounce.analysis.margins.factored_loop import HIGHEST, LOWEST, factored, is_stable
 
 S = control.tf("s")
 
