@@ -3,7 +3,7 @@
 Where the slope of the logarithm of a gain, or of a phase, vanishes on the imaginary axis is a
 secular equation in ω²,
 
-    Σ wᵢ/(ω² + rᵢ²) = 0,    rᵢ the zeros and poles,
+    Σ wᵢ/(ω² + rᵢ²) + c = 0,    rᵢ the zeros and poles, c the delay for the phase, else 0,
 
 whose roots cut the axis into pieces on which that quantity is monotone. Each piece is then
 searched for the one crossing it can hold, on L(jω) itself. No frequency grid is laid, so no
@@ -27,11 +27,29 @@ _WIDE = 1e4
 _DECADES = 2.0
 
 
-def stationary_points(zeros: Complex, poles: Complex, *, of_phase: bool = False) -> Real:
-    """Return frequencies, among them all where ln |Π(jω − z)/Π(jω − p)| or its phase turns."""
+def stationary_points(zeros: Complex, poles: Complex) -> Real:
+    """Return frequencies, among them all where ln |Π(jω − z)/Π(jω − p)| turns."""
+    return _turning_points(zeros, poles, lambda signs, _: signs.astype(complex), 0.0)
+
+
+def phase_points(loop: FactoredLoop) -> Real:
+    """Return frequencies, among them all where the phase of L turns or jumps; these from beside."""
+    axis = _on_axis(loop)
+    turning = _turning_points(loop.zeros, loop.poles, np.multiply, loop.delay)
+    return np.unique(np.concatenate([turning, axis * (1 - _BESIDE), axis * (1 + _BESIDE)]))
+
+
+def _on_axis(loop: FactoredLoop) -> Real:
+    roots = np.concatenate([loop.zeros, loop.poles])
+    return np.asarray(roots[(roots.real == 0) & (roots.imag > 0)].imag)
+
+
+def _turning_points(
+    zeros: Complex, poles: Complex, weigh: Callable[[Real, Complex], Complex], constant: float
+) -> Real:
     roots = np.concatenate([zeros, poles])
     signs = np.repeat([1.0, -1.0], [zeros.size, poles.size])
-    squares = _secular_roots(-(roots**2), signs * roots if of_phase else signs.astype(complex))
+    squares = _secular_roots(-(roots**2), weigh(signs, roots), constant)
     # Across gaps too wide for eigenvalues to keep digits on both sides, any point within will do.
     sizes = np.unique(abs(roots[roots != 0]))
     wide = sizes[1:] > _WIDE * sizes[:-1]
@@ -44,34 +62,56 @@ def gain_crossings(loop: FactoredLoop) -> list[float]:
 
 
 def phase_crossings(loop: FactoredLoop) -> list[float]:
-    """Return all ω where L(jω) is finite, nonzero, real and negative, the limits included."""
-    axis = np.concatenate([loop.zeros, loop.poles])
-    axis = axis[(axis.real == 0) & (axis.imag > 0)].imag
-    points = stationary_points(loop.zeros, loop.poles, of_phase=True)
-    points = np.unique(np.concatenate([points, axis * (1 - _BESIDE), axis * (1 + _BESIDE)]))
-    phases = loop.phase(np.concatenate([[LOWEST], points, [HIGHEST]])) / np.pi
+    """Return all ω where L(jω) is finite, nonzero, real and negative, the limits included.
+
+    With a delay, which turns the phase for ever, those up to `last_frequency` and the limit.
+    """
+    axis, points = _on_axis(loop), phase_points(loop)
+    end = last_frequency(loop) if loop.delay else HIGHEST
+    phases = loop.phase(np.concatenate([[LOWEST], points, [end]])) / np.pi
     turns = np.arange(np.floor(phases.min()) - 1, np.ceil(phases.max()) + 2)
     levels = np.pi * turns[turns % 2 == 1]
     found = [
-        level_crossings(partial(_phase_above, loop, level), points) for level in levels.tolist()
+        level_crossings(partial(_phase_above, loop, level), points, end)
+        for level in levels.tolist()
     ]
+    if loop.delay:
+        found.append([HIGHEST])
     # On a zero or pole on the axis the phase jumps across −π; L is 0 or unbounded there.
     roots = np.sort(np.concatenate([np.empty(0), *found]))
     jumps = np.any(abs(roots[:, None] - axis) <= 2 * _BESIDE * axis, axis=1)
     return list(roots[~jumps & (abs(loop.log_gain(roots)) < UNBOUNDED)].tolist())
 
 
+def last_frequency(loop: FactoredLoop) -> float:
+    """Return ω up to which a loop with delay has to be looked at.
+
+    From somewhere before it on, |L| < 1 goes monotonically to its limit while the phase falls, a
+    full turn at the least, so that nothing further is nearer to −1 than what lies before.
+    """
+    crossovers = [omega for omega in gain_crossings(loop) if omega < HIGHEST]
+    turning = np.concatenate(
+        [stationary_points(loop.zeros, loop.poles), phase_points(loop), crossovers]
+    )
+    start = float(turning.max(initial=1e-3 / loop.delay))
+    target = loop.phase(np.array([start]))[0] - 2 * np.pi
+    end = 2.0 * start
+    while loop.phase(np.array([end]))[0] > target:
+        end *= 2.0
+    return end
+
+
 def _phase_above(loop: FactoredLoop, level: float, omega: Real) -> Real:
     return loop.phase(omega) - level
 
 
-def level_crossings(function: Function, points: Real) -> list[float]:
+def level_crossings(function: Function, points: Real, end: float = HIGHEST) -> list[float]:
     """Return the zeros of a function that is monotone between ascending points, ascending.
 
-    There is one for each change of sign from the lowest to the highest frequency, and one at
-    each point or limit where the function touches zero.
+    There is one for each change of sign from the lowest frequency to the end, and one at each
+    point or limit where the function touches zero.
     """
-    points = np.concatenate([[LOWEST], points, [HIGHEST]])
+    points = np.concatenate([[LOWEST], points, [end]])
     logs = np.log(points)
     values = function(np.exp(logs))
     sides = np.sign(values)
@@ -95,34 +135,37 @@ def _root_between(function: Function, logs: Real, values: Real) -> float:
     return float(np.exp(brentq(at, *ends, xtol=1e-16, rtol=1e-15)))
 
 
-def _secular_roots(places: Complex, weights: Complex) -> Real:
-    """Positive roots x of Σ wᵢ/(x − xᵢ) = 0.
+def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
+    """Positive roots x of Σ wᵢ/(x − xᵢ) + c = 0.
 
     With y = 1/(x − q) they are eigenvalues of a diagonal matrix less one of rank one. These are
     accurate for x near the pivot q, so there is a pivot for every few decades of the places.
     """
-    sizes = np.log10(abs(places[places != 0]))
-    if places.size < 2 or not sizes.size:
+    scales = abs(places)
+    if constant:
+        scales = np.append(scales, abs(weights).sum() / constant)
+    sizes = np.log10(scales[scales != 0])
+    if scales.size < 2 or not sizes.size:
         return np.empty(0)
     count = 1 + int((sizes.max() - sizes.min()) / _DECADES)
     with np.errstate(all="ignore"):
         starts = [
-            _pivoted(places, weights, -np.exp(0.5j) * 10**exponent)
+            _pivoted(places, weights, constant, -np.exp(0.5j) * 10**exponent)
             for exponent in np.linspace(sizes.min(), sizes.max(), 2 * count + 1)[1::2]
         ]
         x = np.concatenate(starts)
         for _ in range(3):
             near = 1 / (x[:, None] - places)
-            step = (near @ weights / (near**2 @ weights)).real
+            step = ((near @ weights + constant) / (near**2 @ weights)).real
             x = x + step
         # Newton's step stays large beside roots at infinity and poles at the origin.
         x = np.sort(x[(x > 0) & (abs(step) <= 1e-3 * x)])
     return x[np.diff(x, prepend=0.0) > 1e-9 * x]
 
 
-def _pivoted(places: Complex, weights: Complex, pivot: complex) -> Real:
+def _pivoted(places: Complex, weights: Complex, constant: float, pivot: complex) -> Real:
     diagonal = 1 / (places - pivot)
-    total = weights @ diagonal
+    total = weights @ diagonal - constant
     if total == 0:
         return np.empty(0)
     inverse = np.linalg.eigvals(np.diag(diagonal) - weights * diagonal**2 / total)

@@ -1,13 +1,9 @@
-"""An open-loop transfer L(s) as zeros, poles and gain: how it is found, and its values."""
+"""An open-loop transfer as zeros, poles, gain and delay, and its values on the imaginary axis."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    import control
 
 Real = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -21,16 +17,17 @@ UNBOUNDED = 115.0
 DAMPING_FLOOR = 1e-10
 """A closed-loop pole whose damping ratio is not above this counts as undamped."""
 
-_AXIS = 1e-13
-_ILL_POSED = 1e-13
-
 
 @dataclass(frozen=True, eq=False)
 class FactoredLoop:
-    """L as zeros, poles and gain, in units of `scale` rad/s.
+    """L = gain·Π(s − zeros)/Π(s − poles)·e^(−s·delay), in units of `scale` rad/s.
 
-    `closed` and `opposite` are the roots of 1 + L and 1 − L; `hidden` the modes that no chain of
-    coefficients joins to both input and output: they count in stability alone.
+    `closed` and `opposite` are the roots of 1 + L and 1 − L without the delay; `hidden` the modes
+    that no chain of coefficients joins to both input and output: they count in stability alone.
+
+    A loop that is discrete in time, with a sampling time `dt` in seconds, is kept on the plane of
+    w = (z − 1)/(z + 1), whose imaginary axis is the unit circle: with s = w all of this holds,
+    and ω stands for (2/dt)·arctan(ω·scale) rad/s. The limit ω → ∞ is half the sampling frequency.
     """
 
     zeros: Complex
@@ -40,10 +37,18 @@ class FactoredLoop:
     opposite: Complex
     hidden: Complex
     scale: float = 1.0
+    delay: float = 0.0
+    dt: float | None = None
+
+    def radians(self, omega: Real) -> Real:
+        """Return scaled frequencies in rad/s; at the limits 0, and inf or half the sampling's."""
+        scaled = np.where(omega == HIGHEST, np.inf, omega * self.scale)
+        real = scaled if self.dt is None else 2.0 / self.dt * np.arctan(scaled)
+        return np.asarray(np.where(omega == LOWEST, 0.0, real))
 
     def hertz(self, omega: float) -> float:
-        """Return a scaled frequency in Hz, 0 and inf at the limits."""
-        return {LOWEST: 0.0, HIGHEST: np.inf}.get(omega, omega * self.scale / (2 * np.pi))
+        """Return a scaled frequency in Hz."""
+        return float(self.radians(np.array(omega))) / (2 * np.pi)
 
     def log_gain(self, omega: Real) -> Real:
         """Return ln |L(jω)|, kept finite on zeros and poles of the axis."""
@@ -57,16 +62,29 @@ class FactoredLoop:
     def phase(self, omega: Real) -> Real:
         """Return the continuous arg L(jω) in rad, with jumps of π only at roots on the axis."""
         turn = _arguments(omega, self.zeros) - _arguments(omega, self.poles)
-        return np.asarray(turn + (np.pi if self.gain < 0 else 0.0))
+        return np.asarray(turn + (np.pi if self.gain < 0 else 0.0) - omega * self.delay)
 
     def values(self, omega: Real) -> Complex:
         """Return L(jω)."""
         return np.asarray(np.exp(self.log_gain(omega) + 1j * self.phase(omega)))
 
+    def at(self, s: Complex) -> Complex:
+        """Return L(s) anywhere."""
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            logs = np.log(s[:, None] - self.zeros).sum(axis=1)
+            logs = logs - np.log(s[:, None] - self.poles).sum(axis=1) - s * self.delay
+            return np.asarray(self.gain * np.exp(logs))
+
     def closed_loop_poles(self) -> Complex:
-        """Return every pole of the closed loop in rad/s, the slowest decay first."""
+        """Return every pole of the closed loop without its delay, the slowest decay first.
+
+        In rad/s; of a discrete loop as z.
+        """
         poles = np.concatenate([self.closed, self.hidden]) * self.scale
-        return np.asarray(poles[np.argsort(-poles.real, kind="stable")])
+        if self.dt is None:
+            return np.asarray(poles[np.argsort(-poles.real, kind="stable")])
+        poles = (1 + poles) / (1 - poles)
+        return np.asarray(poles[np.argsort(-abs(poles), kind="stable")])
 
 
 def is_stable(poles: Complex) -> bool:
@@ -74,177 +92,7 @@ def is_stable(poles: Complex) -> bool:
     return bool(np.all(-poles.real > DAMPING_FLOOR * abs(poles)))
 
 
-def factored(system: "control.StateSpace | control.TransferFunction") -> FactoredLoop:
-    """Return the factors of a system with one input and one output, scaled in time.
-
-    Raises
-    ------
-    ValueError
-        If a coefficient is not finite, or 1 + L vanishes as ω → ∞.
-    """
-    parts = _coefficients(system)
-    if not all(np.isfinite(part).all() for part in parts):
-        raise ValueError(
-            "system has coefficients that are nan or inf; loop_margins takes finite ones: "
-            "check the parameters it was built from"
-        )
-    loop = _of_state_space(*parts) if len(parts) == 4 else _of_transfer_function(*parts)
-    if loop.zeros.size == loop.poles.size and abs(1 + loop.gain) <= _ILL_POSED:
-        raise ValueError(
-            f"1 + L(∞) = {1 + loop.gain:.3g}: the loop is ill-posed, its closed loop has no "
-            "finite gain; L(∞) other than −1 is accepted: model the roll-off of the loop, or "
-            "change its gain"
-        )
-    return _scaled(loop)
-
-
 def _arguments(omega: Real, roots: Complex) -> Real:
     """Sum of arg(jω − r) over the roots."""
     angle = np.arctan2(omega[:, None] - roots.imag, abs(roots.real))
     return np.asarray(np.where(roots.real > 0, np.pi - angle, angle).sum(axis=1))
-
-
-def _coefficients(system: Any) -> tuple[Real, ...]:
-    if hasattr(system, "A"):
-        parts: tuple[Any, ...] = (system.A, system.B[:, 0], system.C[0], system.D[0, 0])
-    else:
-        parts = (system.num_array[0, 0], system.den_array[0, 0])
-    return tuple(np.array(part, dtype=float) for part in parts)
-
-
-def _scaled(loop: FactoredLoop) -> FactoredLoop:
-    """Take the geometric mean of |roots| for the unit, and set roots beside the axis on it."""
-    power = _mean_power(np.concatenate([loop.zeros, loop.poles, loop.closed]))
-    names = ("zeros", "poles", "closed", "opposite", "hidden")
-    roots = {name: getattr(loop, name) * 2.0**-power for name in names}
-    for name in ("zeros", "poles"):
-        beside = abs(roots[name].real) <= _AXIS * abs(roots[name])
-        roots[name] = np.where(beside, 1j * roots[name].imag, roots[name])
-    gain = float(np.ldexp(loop.gain, power * (loop.zeros.size - loop.poles.size)))
-    return replace(loop, **roots, gain=gain, scale=2.0**power)
-
-
-def _mean_power(roots: Complex) -> int:
-    """Power of two next to the geometric mean of |roots|: dividing by it rounds nothing."""
-    size = abs(roots[roots != 0])
-    return round(float(np.log2(size).mean())) if size.size else 0
-
-
-def _of_transfer_function(numerator: Real, denominator: Real) -> FactoredLoop:
-    sums = (np.polyadd(denominator, numerator), np.polysub(denominator, numerator))
-    roots = [np.roots(part).astype(complex) for part in (numerator, denominator, *sums)]
-    leading = [np.append(np.trim_zeros(part, "f"), 0.0)[0] for part in (numerator, denominator)]
-    gain = float(leading[0] / leading[1])
-    return FactoredLoop(roots[0], roots[1], gain, roots[2], roots[3], np.empty(0, complex))
-
-
-def _of_state_space(a: Real, b: Real, c: Real, d: Real) -> FactoredLoop:
-    joined = _joined(a)
-    kept = (joined @ (b != 0)) & ((c != 0) @ joined)
-    hidden = _eigenvalues(a[np.ix_(~kept, ~kept)])
-    a, b, c = _balanced(a[np.ix_(kept, kept)], b[kept], c[kept], d)
-    poles = _eigenvalues(a)
-    zeros, gain = _refined((a, b, c, d), poles, *_invariant_zeros(a, b, c, d))
-    closed, opposite = (_invariant_zeros(a, b, sign * c, 1 + sign * d)[0] for sign in (1, -1))
-    return FactoredLoop(zeros, poles, gain, closed, opposite, hidden)
-
-
-def _joined(a: Any) -> npt.NDArray[np.bool_]:
-    """Whether state i follows state j, itself included, through any chain of coefficients."""
-    joined = (a != 0) | np.eye(len(a), dtype=bool)
-    for _ in range(len(a).bit_length()):
-        joined = joined @ joined
-    return np.asarray(joined)
-
-
-def _balanced(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any, Any]:
-    """Scale the states by powers of two so that rows and columns of [[A, B], [C, D]] match."""
-    from scipy.linalg import matrix_balance
-
-    whole = np.block([[a, b[:, None]], [c[None, :], d]])
-    balanced, _ = matrix_balance(whole, permute=False)
-    return balanced[:-1, :-1], balanced[:-1, -1], balanced[-1, :-1]
-
-
-def _invariant_zeros(a: Any, b: Any, c: Any, d: Any) -> tuple[Complex, float]:
-    """Return the zeros and high-frequency gain of (A, B, C, D), all infinite zeros deflated.
-
-    While D = 0, zero output holds the state that C sees at zero; without it the output of the
-    remaining system is that state's derivative. Emami-Naeini and Van Dooren, Automatica 18
-    (1982) 415-430, for one input and output.
-    """
-    # StateSpace.zeros returns infinite zeros as finite ones from (s + 2)/(s + 1)³/(s + 30), turned.
-    gain: Any = 1.0
-    floor_c = floor_d = 0.0
-    while abs(d) <= floor_d:
-        if np.linalg.norm(c) <= floor_c:
-            return np.empty(0, complex), 0.0
-        turn = np.linalg.qr(c[:, None], mode="complete")[0]
-        gain = gain * (c @ turn)[0]
-        a, b = turn.T @ a @ turn, turn.T @ b
-        floor_c, floor_d = (1e-13 * float(np.linalg.norm(part)) for part in (a, b))
-        a, b, c, d = a[1:, 1:], b[1:], a[0, 1:], b[0]
-    return _eigenvalues(a - np.outer(b, c) / d), float(gain * d)
-
-
-def _eigenvalues(matrix: Any) -> Complex:
-    """Eigenvalues, block by block of states that follow one another both ways."""
-    joined = _joined(matrix)
-    blocks = np.unique(joined & joined.T, axis=0)
-    parts = [_block_eigenvalues(matrix[np.ix_(block, block)]) for block in blocks]
-    return np.concatenate([*parts, np.empty(0)]).astype(complex)
-
-
-def _block_eigenvalues(matrix: Any) -> Complex:
-    """Eigenvalues, those at 0 exact: the null space is split off before the rest is solved."""
-    # Given rows count each by itself; what a split leaves is rounded by the largest of them.
-    rows = np.linalg.norm(matrix, axis=1, keepdims=True)
-    scaled, floor = matrix / np.where(rows > 0, rows, 1.0), 1.0
-    at_zero, share = 0, 8 * len(matrix) * np.finfo(float).eps
-    while matrix.size:
-        _, sizes, right = np.linalg.svd(scaled)
-        rank = int(np.sum(sizes > share * floor))
-        if rank == len(sizes):
-            break
-        at_zero += len(sizes) - rank
-        floor = float(np.linalg.norm(matrix))
-        scaled = matrix = (right @ matrix @ right.T)[:rank, :rank]
-    return np.concatenate([np.linalg.eigvals(matrix), np.zeros(at_zero)]).astype(complex)
-
-
-def _refined(system: Any, poles: Complex, zeros: Complex, gain: float) -> tuple[Complex, float]:
-    """Zeros after Newton steps on L(s) itself, and the gain that meets L at one point.
-
-    Deflation loses digits where the states are badly scaled; solving (sI − A)x = B loses fewer.
-    """
-    if gain == 0 or not poles.size:
-        return zeros, gain
-    free = _apart(zeros, poles)
-    moving = zeros[free]
-    for _ in range(2):
-        value, slope = _response(system, moving)
-        with np.errstate(all="ignore"):
-            trial = moving - value / slope
-        trial = np.where(_apart(trial, poles), trial, moving)
-        moving = np.where(abs(_response(system, trial)[0]) < abs(value), trial, moving)
-    zeros = np.concatenate([moving, zeros[~free]])
-    if system[-1] != 0:
-        return zeros, gain
-    point = np.array([2.0 ** _mean_power(poles) * np.exp(1j)])
-    logs = np.log(point - poles).sum() - np.log(point - zeros).sum()
-    return zeros, float((_response(system, point)[0] * np.exp(logs)).real[0])
-
-
-def _apart(roots: Complex, poles: Complex) -> npt.NDArray[np.bool_]:
-    """Mask of nonzero finite roots where L is finite: beside a pole that they cancel it is 0/0."""
-    with np.errstate(invalid="ignore"):
-        gaps = abs(roots[:, None] - poles).min(axis=1)
-        return np.asarray((gaps > 1e-6 * abs(roots)) & (roots != 0))
-
-
-def _response(system: Any, s: Complex) -> tuple[Complex, Complex]:
-    """L(s) and L'(s)."""
-    a, b, c, d = system
-    shifted = s[:, None, None] * np.eye(b.size) - a
-    states = np.linalg.solve(shifted, np.broadcast_to(b[:, None], (s.size, b.size, 1)))
-    return states[..., 0] @ c + d, -(np.linalg.solve(shifted, states)[..., 0] @ c)

@@ -8,14 +8,21 @@ import numpy as np
 import pytest
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.crossings import level_crossings, stationary_points
+from jounce.analysis.margins.crossings import (
+    last_frequency,
+    level_crossings,
+    phase_crossings,
+    phase_points,
+    stationary_points,
+)
 from jounce.analysis.margins.factored_loop import HIGHEST, LOWEST, FactoredLoop
 
 NONE = np.empty(0, complex)
 
 
-def loop_of(zeros, poles, gain=1.0):
-    return FactoredLoop(np.array(zeros, complex), np.array(poles, complex), gain, NONE, NONE, NONE)
+def loop_of(zeros, poles, gain=1.0, delay=0.0):
+    roots = np.array(zeros, complex), np.array(poles, complex)
+    return FactoredLoop(*roots, gain, NONE, NONE, NONE, delay=delay)
 
 
 def random_roots(rng, count):
@@ -24,13 +31,18 @@ def random_roots(rng, count):
     return np.concatenate([roots, roots.conj()])
 
 
-@pytest.mark.parametrize("of_phase", [False, True])
+@pytest.mark.parametrize("quantity", ["gain", "phase", "phase behind a delay"])
 @pytest.mark.parametrize("seed", range(30))
-def test_between_stationary_points_a_quantity_is_monotone(seed, of_phase):
+def test_between_stationary_points_a_quantity_is_monotone(seed, quantity):
     rng = np.random.default_rng(seed)
-    loop = loop_of(random_roots(rng, rng.integers(0, 4)), random_roots(rng, rng.integers(1, 6)))
-    points = stationary_points(loop.zeros, loop.poles, of_phase=of_phase)
-    function = loop.phase if of_phase else loop.log_gain
+    loop = loop_of(
+        random_roots(rng, rng.integers(0, 4)),
+        random_roots(rng, rng.integers(1, 6)),
+        delay=10 ** rng.uniform(-3, 2) if "delay" in quantity else 0.0,
+    )
+    of_gain = quantity == "gain"
+    points = stationary_points(loop.zeros, loop.poles) if of_gain else phase_points(loop)
+    function = loop.log_gain if of_gain else loop.phase
     edges = np.concatenate([[1e-5], points, [1e5]])
     for low, high in itertools.pairwise(edges):
         steps = np.diff(function(np.geomspace(low, high, 300)))
@@ -46,10 +58,19 @@ def test_a_resonance_turns_where_theory_says(zeta):
 
 def test_a_turn_between_roots_far_apart_is_not_lost():
     loop = loop_of([-1.0, -2.0], [-1e-16, 0.0, 0.0])
-    points = stationary_points(loop.zeros, loop.poles, of_phase=True)
+    points = phase_points(loop)
     at_dc, crossing = level_crossings(lambda omega: loop.phase(omega) + np.pi, points)
     assert at_dc == LOWEST
     assert crossing == pytest.approx(math.sqrt(2), rel=1e-12)
+
+
+@pytest.mark.parametrize("delay", [1e-3, 0.1, 1.0, 30.0])
+def test_phase_crossovers_of_an_integrator_behind_a_delay_are_known(delay):
+    loop = loop_of([], [0.0], delay=delay)
+    found = np.array(phase_crossings(loop)) * delay / np.pi
+    assert found == pytest.approx(0.5 + 2 * np.arange(found.size), rel=1e-13)
+    assert found.size >= 1
+    assert found[-1] < last_frequency(loop) * delay / np.pi < found[-1] + 2.0
 
 
 @pytest.mark.parametrize(("slow", "fast"), [(0.1, 1e2), (1e-3, 1e4), (1e-5, 1e5)])

@@ -6,7 +6,8 @@ import control
 import numpy as np
 import pytest
 
-from jounce.analysis.margins.factored_loop import HIGHEST, LOWEST, factored, is_stable
+from jounce.analysis.margins.factored_loop import HIGHEST, LOWEST, is_stable
+from jounce.analysis.margins.factoring import factored
 
 S = control.tf("s")
 

@@ -461,7 +461,8 @@ def test_result_is_frozen_json_able_and_reads_as_text():
     ("system", "error", "message"),
     [
         (control.ss(-np.eye(2), np.eye(2), np.eye(2), 0), ValueError, "2 inputs and 2 outputs"),
-        (control.tf([1], [1, 0.5], 0.1), ValueError, r"dt = 0.1\), which is not supported yet"),
+        (control.tf([1], [1, 0.5], True), ValueError, "dt = True names no sampling time"),
+        (control.tf([1, 0, 0], [1, 0.5], 0.1), ValueError, "2 zeros and 1 poles"),
         (control.frd([1, 1j], [1, 2]), TypeError, "FrequencyResponseData; loop_margins takes"),
         (3.0, TypeError, "system is a float"),
         (control.tf([math.inf], [1, 1]), ValueError, "nan or inf"),
@@ -473,6 +474,21 @@ def test_result_is_frozen_json_able_and_reads_as_text():
 def test_what_is_not_accepted_is_named_with_a_remedy(system, error, message):
     with pytest.raises(error, match=message):
         loop_margins(system)
+
+
+@pytest.mark.parametrize(
+    ("system", "delay", "message"),
+    [
+        (1 / S, -0.1, r"delay = -0.1: expected a number of seconds, 0 or more"),
+        (1 / S, math.nan, "delay"),
+        (1 / S, math.inf, "delay"),
+        (control.tf([1], [1, -1], 0.1), 0.1, "zero_order_hold"),
+    ],
+    ids=["negative", "nan", "infinite", "discrete"],
+)
+def test_a_delay_that_is_not_accepted_is_named_with_a_remedy(system, delay, message):
+    with pytest.raises(ValueError, match=message):
+        loop_margins(system, delay=delay)
 
 
 def test_integrators_hidden_by_a_change_of_states_stay_at_zero():
