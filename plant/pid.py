@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, degrees, inf, pi, radians, sin, sqrt
-from typing import TYPE_CHECKING
+from math import atan2, cos, degrees, inf, isfinite, pi, radians, sin, sqrt
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 
 _MOST_DB = 300.0  # beyond, the integral gain is nothing but rounding
+
+Rate = Literal["measured", "differenced"]
+"""How a sampled PID comes by the error's rate."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,67 @@ class PID:
             numerator, denominator = [self.kr, self.kp], [1.0]
         return control.tf(
             numerator, denominator, inputs=["e"], outputs=["u_feedback"], name="controller"
+        )
+
+    def sampled(self, dt: float, *, rate: Rate = "measured") -> control.StateSpace:
+        """Return the digital controller, run once every dt.
+
+            u_k = kp·e_k + ki·I_k + kr·ė_k,   I_k = I_{k−1} + dt·e_k
+
+        The integral is a running sum that counts the present error (backward rectangles). With
+        rate="measured" ė_k is an input; with "differenced" it is (e_k − e_{k−1})/dt. So
+
+            k(z) = kp + ki·dt·z/(z − 1) from e, and kr from e_rate,   or
+            k(z) = kp + ki·dt·z/(z − 1) + kr·(z − 1)/(dt·z) from e alone.
+
+        Parameters
+        ----------
+        dt : float
+            Sampling time, positive.
+        rate : "measured" or "differenced", optional
+
+        Returns
+        -------
+        control.StateSpace
+            (e, e_rate) → u_feedback with state e_integral = I_{k−1}, or e → u_feedback with the
+            further state e_past = e_{k−1}; a state whose gain is 0 is left out.
+
+        Raises
+        ------
+        ValueError
+            For a dt that is not positive or so far from the gains' unit of time that ki·dt or
+            kr/dt leaves the range of a double, or another rate.
+
+        Examples
+        --------
+        >>> digital = PID(kp=2.0, ki=4.0, kr=0.5).sampled(0.25, rate="differenced")
+        >>> complex(digital(-1.0)).real
+        6.5
+        """
+        import control
+
+        dt = positive("dt", dt)
+        if rate not in ("measured", "differenced"):
+            raise ValueError(f"rate = {rate!r}: expected 'measured' or 'differenced'")
+        measured = rate == "measured"
+        slope = 0.0 if measured else self.kr / dt
+        direct = self.kp + self.ki * dt + slope
+        if not isfinite(direct):
+            raise ValueError(
+                f"dt = {dt!r}: ki·dt or kr/dt leaves the range of a double; choose other units"
+            )
+        memory = [("e_integral", 1.0, dt, self.ki), ("e_past", 0.0, 1.0, -slope)]
+        memory = [state for state in memory if state[-1] != 0.0]
+        return control.ss(
+            np.diag([kept for _, kept, _, _ in memory]),
+            [[added, 0.0] if measured else [added] for _, _, added, _ in memory],
+            [[gain for _, _, _, gain in memory]],
+            [[direct, self.kr] if measured else [direct]],
+            dt,
+            inputs=["e", "e_rate"] if measured else ["e"],
+            outputs=["u_feedback"],
+            states=[name for name, _, _, _ in memory],
+            name="controller",
         )
 
 

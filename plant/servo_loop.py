@@ -13,9 +13,11 @@ from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
+from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
-from .pid import PID
+from .pid import PID, Rate
 from .respond import respond_on_grid
+from .sampled import loop_behind
 
 if TYPE_CHECKING:
     import control
@@ -30,10 +32,10 @@ class LoopResponse:
     time : (N,) array
     inputs : (3, N) array
         Command r, its velocity and its acceleration, as the loop receives them.
-    outputs : (3, N) array
-        Position y, error e = r − y, torque u.
+    outputs : (3, N) array, or (5, N) for a flexible plant
+        Position y, error e = r − y, torque u; the load's position and the twist.
     states : (n, N) array
-        States of the closed loop, plant first.
+        States of the closed loop, plant first, in the order of `ServoLoop.system`.
     """
 
     time: FloatArray
@@ -60,6 +62,16 @@ class LoopResponse:
     def torque(self) -> FloatArray:
         """Torque u."""
         return np.asarray(self.outputs[2])
+
+    @property
+    def load(self) -> FloatArray:
+        """Position of the load; of a rigid axis, y."""
+        return np.asarray(self.outputs[3 if len(self.outputs) > 3 else 0])
+
+    @property
+    def twist(self) -> FloatArray:
+        """Twist between motor and load, load less motor; of a rigid axis, 0."""
+        return np.asarray(self.outputs[4]) if len(self.outputs) > 4 else np.zeros_like(self.time)
 
     def settling_time(self, target: float, tolerance: float) -> float:
         """Return the time, from the start, after which |y − target| stays within `tolerance`.
@@ -90,7 +102,7 @@ class ServoLoop:
 
     Parameters
     ----------
-    plant : Inertia
+    plant : Inertia or FlexibleInertia
     controller : PID
     feedforward : InertiaFeedforward, optional
         Default: none.
@@ -100,18 +112,19 @@ class ServoLoop:
     Thompson, "Snap, Crackle, and Pop", Section VII.
     """
 
-    plant: Inertia
+    plant: Inertia | FlexibleInertia
     controller: PID
     feedforward: InertiaFeedforward | None = None
 
     def __post_init__(self) -> None:
-        for name, block, kind in (
-            ("plant", self.plant, Inertia),
-            ("controller", self.controller, PID),
-            ("feedforward", self._feedforward, InertiaFeedforward),
+        for name, block, kinds in (
+            ("plant", self.plant, (Inertia, FlexibleInertia)),
+            ("controller", self.controller, (PID,)),
+            ("feedforward", self._feedforward, (InertiaFeedforward,)),
         ):
-            if not isinstance(block, kind):
-                raise TypeError(f"{name} = {block!r}: expected {kind.__name__}")
+            if not isinstance(block, kinds):
+                expected = " or ".join(kind.__name__ for kind in kinds)
+                raise TypeError(f"{name} = {block!r}: expected {expected}")
 
     def loop_transfer(self) -> control.TransferFunction:
         """Return L(s) = g·k, the open loop from e to y."""
@@ -119,7 +132,10 @@ class ServoLoop:
         return _named(loop, "e", "y", "loop")
 
     def closed_loop(self) -> control.TransferFunction:
-        """Return y/r = g·(k + f)/(1 + g·k), feedforward included; 1 where Ĵ = J."""
+        """Return y/r = g·(k + f)/(1 + g·k), feedforward included.
+
+        It is 1 where Ĵ = J on an `Inertia`.
+        """
         import control
 
         g, k, f = (block.transfer() for block in (self.plant, self.controller, self._feedforward))
@@ -129,6 +145,43 @@ class ServoLoop:
         closed = control.tf(np.trim_zeros(np.polymul(gn, forward), "f"), characteristic)
         return _named(closed, "r", "y", "closed_loop")
 
+    def sampled_loop_transfer(
+        self, dt: float, *, delay: float = 0.0, rate: Rate = "measured"
+    ) -> control.StateSpace:
+        """Return L(z) of the loop under a digital PID: exact, broken at the torque.
+
+        The PID runs every dt on y (and y_rate) as they are at the sample; its torque takes effect
+        `delay` later and is held until the next one does. The closed loop's poles are the zeros
+        of 1 + L(z).
+
+        Parameters
+        ----------
+        dt : float
+            Sampling time, positive.
+        delay : float, optional
+            Computing delay ≥ 0 of any length, as in `zero_order_hold`.
+        rate : "measured" or "differenced", optional
+            Where the controller's rate comes from, as in `PID.sampled`.
+
+        Returns
+        -------
+        control.StateSpace
+            From u to −u_feedback, discrete with this dt.
+
+        Raises
+        ------
+        ValueError
+            As `zero_order_hold` and `PID.sampled` do.
+
+        Examples
+        --------
+        >>> loop = ServoLoop(Inertia(1.0), PID(kp=1.0, ki=0.0, kr=2.0))
+        >>> sampled = loop.sampled_loop_transfer(0.5, delay=0.25)
+        >>> round(float(abs(sampled.feedback().poles()).max()), 3)
+        0.805
+        """
+        return loop_behind(self.plant.system(), self.controller.sampled(dt, rate=rate), delay)
+
     @property
     def _feedforward(self) -> InertiaFeedforward:
         return InertiaFeedforward(0.0) if self.feedforward is None else self.feedforward
@@ -137,9 +190,11 @@ class ServoLoop:
     def _interconnection(self) -> control.StateSpace:
         import control
 
+        plant = self.plant.system()
+        outputs = ["y", "e", "u", *plant.output_labels[2:]]
         return control.interconnect(
             [
-                self.plant.system(),
+                plant,
                 self.controller.system(),
                 self._feedforward.system(),
                 control.summing_junction(["r", "-y"], "e", name="error"),
@@ -147,14 +202,16 @@ class ServoLoop:
                 control.summing_junction(["u_feedback", "u_feedforward"], "u", name="torque"),
             ],
             inplist=["r", "r_rate", "r_acceleration"],
-            outlist=["y", "e", "u"],
+            outlist=outputs,
             inputs=["r", "r_rate", "r_acceleration"],
-            outputs=["y", "e", "u"],
+            outputs=outputs,
             name="servo_loop",
         )
 
     def system(self) -> control.StateSpace:
         """Return the interconnected loop (r, r_rate, r_acceleration) → (y, e, u).
+
+        With a `FlexibleInertia` the outputs go on with y_load and twist.
 
         The ideal PID needs the command's velocity and the feedforward its acceleration; both
         come from the shaper, so every block is proper and nothing is differentiated.
@@ -208,7 +265,7 @@ class ServoLoop:
         if behind is not None:
             inputs = product(behind, states[: behind.shape[1]], np.empty((3, time.size)))
             states = states[behind.shape[1] :]
-        for row in (outputs[0], states[0], inputs[0]):
+        for row in (outputs[0], states[0], inputs[0], *outputs[3:4]):
             row += start
         return LoopResponse(time, inputs, outputs, states)
 

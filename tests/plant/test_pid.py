@@ -12,6 +12,7 @@ from strategies import MAGNITUDES, UNIT_FACTORS
 
 from jounce.plant import PID, Inertia, design_pid
 
+RATES = ("measured", "differenced")
 THOMPSON = {"crossover_hz": 1.0, "phase_margin_deg": 45.0, "lower_gain_margin_db": 12.0}
 
 
@@ -195,6 +196,101 @@ def test_signals_have_the_loops_names():
 
 def test_without_integral_gain_the_transfer_function_has_no_pole():
     assert PID(kp=1.0, ki=0.0, kr=2.0).transfer().poles().size == 0
+
+
+# The digital controller
+
+
+def run_by_hand(gains, dt, errors, rates=None):
+    """Return the torques of a PID written out as a loop."""
+    total = past = 0.0
+    torques = []
+    for i, e in enumerate(errors):
+        total += dt * e
+        rate = (e - past) / dt if rates is None else rates[i]
+        torques.append(gains.kp * e + gains.ki * total + gains.kr * rate)
+        past = e
+    return torques
+
+
+SETS = [(3.0, 2.0, 0.5), (3.0, 0.0, 0.5), (0.0, 2.0, 0.0), (-1.0, 4.0, 2.0), (3.0, 0.0, 0.0)]
+
+
+@pytest.mark.parametrize("gains", SETS)
+@pytest.mark.parametrize("dt", [1e-4, 0.3])
+@pytest.mark.parametrize("rate", ["measured", "differenced"])
+def test_the_digital_controller_is_its_difference_equation(gains, dt, rate):
+    gains, rng = PID(*gains), np.random.default_rng(7)
+    errors, rates = rng.normal(size=(2, 50))
+    digital = gains.sampled(dt, rate=rate)
+    fed = np.array([errors, rates]) if rate == "measured" else errors[None, :]
+    x, torques = np.zeros(digital.nstates), []
+    for u in fed.T:
+        torques.append((digital.C @ x + digital.D @ u)[0])
+        x = digital.A @ x + digital.B @ u
+    expected = run_by_hand(gains, dt, errors, rates if rate == "measured" else None)
+    np.testing.assert_allclose(torques, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("gains", SETS)
+@pytest.mark.parametrize("dt", [1e-4, 0.3])
+@pytest.mark.parametrize("angle", [1e-2, 0.7, 3.0])
+def test_the_digital_controller_has_the_transfer_functions_stated(gains, dt, angle):
+    (kp, ki, kr), z = gains, np.exp(1j * angle)
+    integral = ki * dt * z / (z - 1)
+    measured, differenced = (PID(kp, ki, kr).sampled(dt, rate=r)(z) for r in RATES)
+    size = abs(kp) + abs(integral)
+    np.testing.assert_allclose(np.ravel(measured), [kp + integral, kr], rtol=0, atol=1e-13 * size)
+    slope = kr * (z - 1) / (dt * z)
+    assert differenced == pytest.approx(kp + integral + slope, abs=1e-13 * (size + 2 * kr / dt))
+
+
+@pytest.mark.parametrize("rate", ["measured", "differenced"])
+def test_sampled_ever_faster_it_becomes_the_controller(rate):
+    gains, omega, distances = PID(3.0, 2.0, 0.5), 1.7, []
+    for dt in (1e-2, 1e-3, 1e-4):
+        k = np.ravel(gains.sampled(dt, rate=rate)(np.exp(1j * omega * dt)))
+        value = k @ [1.0, 1j * omega] if rate == "measured" else k[0]
+        distances.append(abs(value - gains.transfer()(1j * omega)))
+    ratios = np.array(distances[:-1]) / distances[1:]
+    np.testing.assert_allclose(ratios, 10.0, rtol=1e-2)
+    assert distances[-1] < 2e-4
+
+
+def test_signals_of_the_digital_controller():
+    measured, differenced = (PID(1, 2, 3).sampled(0.1, rate=rate) for rate in RATES)
+    assert measured.dt == differenced.dt == 0.1
+    assert measured.input_labels == ["e", "e_rate"]
+    assert differenced.input_labels == ["e"]
+    assert measured.output_labels == differenced.output_labels == ["u_feedback"]
+    assert measured.state_labels == ["e_integral"]
+    assert differenced.state_labels == ["e_integral", "e_past"]
+    assert (measured.name, differenced.name) == ("controller", "controller")
+    assert PID(1, 2, 3).sampled(0.1).ninputs == 2
+    for gains, rate in ((PID(1, 0, 0), "differenced"), (PID(1, 0, 3), "measured")):
+        assert gains.sampled(0.1, rate=rate).nstates == 0
+        assert gains.sampled(0.1, rate=rate).isdtime(strict=True)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1.0, nan, inf])
+def test_a_dt_that_is_not_positive_is_refused(dt):
+    with pytest.raises(ValueError, match=f"dt = {dt!r}: expected a positive"):
+        PID(1.0, 1.0, 1.0).sampled(dt)
+
+
+@pytest.mark.parametrize("rate", ["filtered", None, 1.0])
+def test_another_rate_is_refused(rate):
+    with pytest.raises(ValueError, match=f"rate = {rate!r}: expected 'measured' or 'differenced'"):
+        PID(1.0, 1.0, 1.0).sampled(0.1, rate=rate)
+
+
+def test_a_dt_out_of_proportion_to_the_gains_is_refused():
+    for gains, dt in ((PID(1.0, 1e300, 1.0), 1e10), (PID(1.0, 1.0, 1e300), 1e-10)):
+        with pytest.raises(ValueError, match=f"dt = {dt!r}: .*range of a double; choose other"):
+            gains.sampled(dt, rate="differenced")
+
+
+# Errors
 
 
 @pytest.mark.parametrize("name", ["kp", "ki", "kr"])
