@@ -1,10 +1,11 @@
-"""The command `jounce`: survey a scenario, plan a move."""
+"""The command `jounce`: survey a scenario, check its numbers, plan a move."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
 from difflib import get_close_matches
+from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from .gate import GateReport
     from .plan import Plan
 
 BAD_INPUT = 2
@@ -23,6 +25,13 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+class CheckFormat(StrEnum):
+    """What `jounce check` prints."""
+
+    TABLE = "table"
+    GITHUB = "github"
 
 
 def main() -> None:
@@ -61,6 +70,45 @@ def survey_command(
     _print(found.scenario.title, *survey_tables(found))
     _print(*found.findings)
     _print(f"Wrote {', '.join(path.name for path in files)} to {output}")
+
+
+@app.command("check")
+def check_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    baseline: Annotated[
+        Path | None,
+        typer.Option(help="Stored numbers (JSON). Default: SCENARIO.baseline.json, if there."),
+    ] = None,
+    checks: Annotated[
+        Path | None,
+        typer.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
+    ] = None,
+    update: Annotated[
+        bool, typer.Option("--update", help="Store the numbers, if they keep the bounds.")
+    ] = False,
+    junit: Annotated[
+        Path | None, typer.Option(help="Write the outcome to this file, as JUnit XML.")
+    ] = None,
+    output: Annotated[
+        CheckFormat, typer.Option("--format", help="github: print annotations, too.")
+    ] = CheckFormat.TABLE,
+) -> None:
+    """Compare a loop's margins and moves with stored numbers and bounds; status 1 if worse.
+
+    An improvement beyond tolerance passes, with a note.
+    """
+    from .gate import check_scenario
+    from .gate.formats import gate_table, github_lines, heading, summary
+
+    report = check_scenario(scenario, baseline=baseline, checks=checks, update=update)
+    written = _write_check(report, scenario, baseline, checks, junit)
+    if report.rows:
+        _print(gate_table(report.rows, heading(report)))
+    if output is CheckFormat.GITHUB:
+        _print(*github_lines(report))
+    _print(summary(report), *(f"Wrote {path}" for path in written))
+    if not report.passed:
+        raise typer.Exit(CHECK_FAILED)
 
 
 # Without ignore_unknown_options a negative distance would pass for an option.
@@ -136,6 +184,31 @@ def _limit(text: str) -> tuple[int, str]:
     if not separator:
         raise ValueError(f'--limit {text!r}: expected DERIVATIVE=QUANTITY, such as "7=2e4 deg/s^7"')
     return derivative_key(name), quantity
+
+
+def _write_check(
+    report: GateReport,
+    scenario: Path,
+    baseline: Path | None,
+    checks: Path | None,
+    junit: Path | None,
+) -> list[Path]:
+    """Write the baseline, where it is to be updated, and the JUnit file; return what was."""
+    from .gate.check import baseline_beside, checks_beside
+    from .gate.formats import junit_text
+    from .output import write_files
+
+    baseline = baseline or baseline_beside(scenario)
+    writers: dict[Path, Callable[[Path], object]] = {}
+    if report.update and report.passed and report.measured is not None:
+        writers[baseline] = report.measured.write
+    if junit is not None:
+        inputs = (scenario, baseline, checks or checks_beside(scenario))
+        if junit.resolve() in [path.resolve() for path in inputs]:
+            raise ValueError(f"--junit {junit}: is a file that is read; name another one")
+        writers[junit] = lambda draft: draft.write_bytes(junit_text(report).encode("utf-8"))
+    write_files(writers)
+    return list(writers)
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:

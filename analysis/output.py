@@ -105,6 +105,8 @@ def write_files(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     ------
     OSError
         Where a file cannot be written, naming it. No file has changed then.
+    ValueError
+        Where a path is a link or a device.
     """
     drafts: dict[Path, Path] = {}
     try:
@@ -120,8 +122,7 @@ def write_files(writers: Mapping[Path, Callable[[Path], object]]) -> None:
 
 def _draft(path: Path) -> Path:
     """Return a new, empty file beside a path that can be replaced."""
-    if path.is_dir():
-        raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(path))
+    _refuse_other_than_files(path)
     try:
         descriptor, name = tempfile.mkstemp(prefix=".draft-", suffix=path.suffix, dir=path.parent)
     except OSError as error:
@@ -130,6 +131,14 @@ def _draft(path: Path) -> Path:
     draft = Path(name)
     draft.chmod(0o644)
     return draft
+
+
+def _refuse_other_than_files(path: Path) -> None:
+    """Refuse what a file must not take the place of: a folder, a link, a device."""
+    if path.is_dir():
+        raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(path))
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise ValueError(f"{path}: is a link or a device; name a file to be written")
 
 
 @contextmanager
@@ -142,8 +151,7 @@ def _all_or_nothing(folder: Path) -> Iterator[Path]:
         yield draft
         files = sorted(draft.iterdir())
         for path in files:
-            if (folder / path.name).is_dir():
-                raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(folder / path.name))
+            _refuse_other_than_files(folder / path.name)
         for path in files:
             path.replace(folder / path.name)
     finally:

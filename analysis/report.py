@@ -21,7 +21,8 @@ def survey_tables(survey: Survey) -> list[Table]:
     tables = [_margins_table(survey)]
     if survey.checks:
         tables.append(_design_table(survey))
-    return [*tables, _step_table(survey), _moves_table(survey)]
+    tables += [_step_table(survey), _moves_table(survey)]
+    return [*tables, _vibration_table(survey)] if survey.scenario.modes else tables
 
 
 def survey_data(survey: Survey) -> dict[str, Any]:
@@ -127,6 +128,9 @@ def _move_data(move: MoveSurvey, scale: float) -> dict[str, Any]:
         "settling_time_s": _number(configured.settling_time_s),
         "peak_error": configured.peak_error / scale,
         "peak_torque": configured.peak_torque,
+        "residual_vibration": {
+            mode: left / scale for mode, left in move.residual_vibration.items()
+        },
         "responses": [
             {
                 "name": result.name,
@@ -193,6 +197,21 @@ def _moves_table(survey: Survey) -> Table:
                 _small(result.peak_error, move.move.settle_to, scale),
                 f"{result.peak_torque:.4g}",
             )
+    return table
+
+
+def _vibration_table(survey: Survey) -> Table:
+    """Return what the commands leave ringing in each mode at their end."""
+    unit, scale = survey.scenario.position_unit, survey.scenario.position_scale
+    modes = survey.scenario.modes
+    names = [
+        f"{mode.name}, {mode.frequency_hz:.4g} Hz, {100 * mode.damping:.3g} % [{unit}]"
+        for mode in modes
+    ]
+    table = _table("Residual vibration", "", *names)
+    for move in survey.moves:
+        left = [_small(move.residual_vibration[m.name], move.move.settle_to, scale) for m in modes]
+        table.add_row(Text(move.name), *left)
     return table
 
 

@@ -1,7 +1,6 @@
 """Scenario files: a plant, its loop and the moves asked of it, as TOML with units in strings."""
 
 import math
-import tomllib
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -19,6 +18,7 @@ from pydantic import (
 
 from ..shaping.limits import Bound
 from . import scenario_checks as checks
+from .reading import read_toml
 from .scenario_messages import problem_line, what_to_write
 from .units import FREQUENCY, Motion, factor, unit_of
 
@@ -90,6 +90,15 @@ class Move:
     settle_to: float
 
 
+@dataclass(frozen=True)
+class Mode:
+    """A lightly damped mode of what the plant carries; `damping` is its damping ratio."""
+
+    name: str
+    frequency_hz: float
+    damping: float = 0.0
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
     """A scenario file's content in SI units.
@@ -118,6 +127,8 @@ class Scenario:
         The filter behind the shaper.
     moves : tuple of Move
         At least one.
+    modes : tuple of Mode
+        What the moves must not leave ringing.
     """
 
     path: Path
@@ -131,6 +142,7 @@ class Scenario:
     inertia_error: float
     filter: FilterSection | None
     moves: tuple[Move, ...]
+    modes: tuple[Mode, ...] = ()
 
     @property
     def position_scale(self) -> float:
@@ -160,12 +172,18 @@ class _Feedforward(_Section):
 
 
 class _Move(_Section):
-    name: Annotated[str, PlainValidator(checks.read_unique_name)]
+    name: Annotated[str, PlainValidator(checks.read_move_name)]
     distance: Annotated[float, PlainValidator(checks.read_distance)]
     limits: Annotated[str, PlainValidator(checks.read_limit_set)] = Field(
         default=None, validate_default=True
     )
     settle_to: Annotated[float, PlainValidator(checks.read_settle_to)]
+
+
+class _Mode(_Section):
+    name: Annotated[str, PlainValidator(checks.read_mode_name)]
+    frequency: Annotated[float, checks.quantity_of(FREQUENCY)]
+    damping: Annotated[float, checks.quantity_of(checks.DAMPING)] = 0.0
 
 
 _LimitSet = Annotated[
@@ -182,6 +200,7 @@ class _File(_Section):
     feedforward: _Feedforward = _Feedforward()
     filter: FilterSection | None = None
     limits: dict[str, _LimitSet] = Field(min_length=1)
+    modes: Annotated[tuple[_Mode, ...], BeforeValidator(checks.several_modes)] = ()
     moves: Annotated[tuple[_Move, ...], BeforeValidator(checks.several_moves)]
 
 
@@ -218,34 +237,16 @@ def load_scenario(path: str | PathLike[str]) -> Scenario:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    text = _text_of(path)
     try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: not TOML: {error}; correct that place") from None
-    except (ValueError, RecursionError):
-        raise ScenarioError(
-            f"{path}: not readable TOML: a number of thousands of digits or brackets nested "
-            "too deeply; write values as in the example scenarios"
-        ) from None
+        content = read_toml(path, "a scenario file (TOML)")
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
     if not content:
         sections = ", ".join(
             what_to_write(key) for key in ("plant", "controller", "limits", "moves")
         )
         raise ScenarioError(f"{path}: holds no scenario; write {sections}")
     return content
-
-
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(
-            f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8 text"
-        ) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise ScenarioError(f"{path}: {reason}; name a scenario file (TOML)") from None
 
 
 def _scenario(path: Path, checked: _File, motion: Motion, first_unit: str) -> Scenario:
@@ -262,6 +263,7 @@ def _scenario(path: Path, checked: _File, motion: Motion, first_unit: str) -> Sc
         inertia_error=feedforward.error / 100.0,
         filter=checked.filter,
         moves=tuple(_move(move, checked.limits[move.limits]) for move in checked.moves),
+        modes=tuple(Mode(m.name, m.frequency, m.damping / 100.0) for m in checked.modes),
     )
 
 

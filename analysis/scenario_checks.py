@@ -42,6 +42,9 @@ def _positive(name: str, example: str, *, below: float = math.inf) -> Kind:
 PHASE_MARGIN = _positive("an angle between 0 and 90 deg", "45 deg", below=90.0)
 GAIN_MARGIN = _positive("a positive ratio in dB", "12 dB")
 PERCENTAGE = _positive("a percentage between 0 and 100 %", "10 %", below=100.0)
+DAMPING = Kind(
+    name="a damping from 0 to below 100 %", unit="%", example="2 %", least=0.0, below=100.0
+)
 _INERTIA: dict[Motion, tuple[Kind, ...]] = {
     "angle": (
         _positive("a positive moment of inertia for angular moves", "1 kg m^2"),
@@ -61,7 +64,8 @@ class Context:
 
     motions: tuple[Motion, ...]
     limit_sets: tuple[str, ...]
-    names: set[str] = field(default_factory=set)
+    moves: set[str] = field(default_factory=set)
+    modes: set[str] = field(default_factory=set)
 
     def quantity(self, value: object, kinds: Callable[[Motion], Sequence[Kind]]) -> float:
         """Return a quantity of a kind that fits the file's motions."""
@@ -128,12 +132,23 @@ def read_name(value: object) -> str:
     return value.strip()
 
 
-def read_unique_name(value: object, info: ValidationInfo) -> str:
+def read_move_name(value: object, info: ValidationInfo) -> str:
     """Return a move's name, which no earlier move has."""
+    return _new_name(value, "move", _context(info).moves)
+
+
+def read_mode_name(value: object, info: ValidationInfo) -> str:
+    """Return a mode's name, which no earlier mode has."""
+    return _new_name(value, "mode", _context(info).modes)
+
+
+def _new_name(value: object, of_what: str, taken: set[str]) -> str:
     name = read_name(value)
-    if name in _context(info).names:
-        raise ValueError(f"{show(name)} is the name of an earlier move; write one not yet used")
-    _context(info).names.add(name)
+    if name in taken:
+        raise ValueError(
+            f"{show(name)} is the name of an earlier {of_what}; write one not yet used"
+        )
+    taken.add(name)
     return name
 
 
@@ -224,9 +239,18 @@ def read_settle_to(value: object, info: ValidationInfo) -> float:
 
 
 def several_moves(value: object) -> object:
-    """Refuse what is not a list of moves."""
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"{show(value)} is not a list of moves; write {what_to_write('moves')}")
+    """Refuse what is not a list of moves, or an empty one."""
+    return _listed(value, "moves", least=1)
+
+
+def several_modes(value: object) -> object:
+    """Refuse what is not a list of modes."""
+    return _listed(value, "modes", least=0)
+
+
+def _listed(value: object, key: str, *, least: int) -> object:
+    if not isinstance(value, list) or len(value) < least:
+        raise ValueError(f"{show(value)} is not a list of {key}; write {what_to_write(key)}")
     return value
 
 

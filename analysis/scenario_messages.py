@@ -19,6 +19,10 @@ limits.axis.acceleration = "0.2 deg/s^2"
 [controller]
 specification = {crossover = "1 Hz", phase_margin = "45 deg", lower_gain_margin = "12 dB"}
 gains = {kp = "3 N m/rad", ki = "2 N m/(rad s)", kr = "5 N m s/rad"}
+[[modes]]
+name = "tower"
+frequency = "12 Hz"
+damping = "2 %"
 [[moves]]
 name = "60 arcsec step"
 distance = "60 arcsec"
@@ -41,7 +45,7 @@ def problem_line(error: Any) -> str:
     else:
         shown = "is empty" if value == {} else f"{show(value)} is not a table"
         problem = f"{shown}; write {what_to_write(*section)}"
-    return f"{_key(where)}: {problem}"
+    return f"{key_path(where)}: {problem}"
 
 
 def unknown_key(
@@ -53,14 +57,19 @@ def unknown_key(
     return f"unknown key (with {show(value)}); accepted: {', '.join(shown or known)}; {remedy}"
 
 
-def _key(where: Sequence[str | int]) -> str:
+def key_path(where: Sequence[str | int]) -> str:
+    """Return a key as TOML writes it: ``moves."60 arcsec step".duration_s``."""
     text = ""
     for part in where:
         if isinstance(part, int):
             text += f"[{part}]"
         else:
-            text += "." + (part if re.fullmatch(r"[A-Za-z0-9_-]+", part) else json.dumps(part))
+            text += "." + (part if re.fullmatch(r"[A-Za-z0-9_-]+", part) else _quoted(part))
     return text.removeprefix(".")
+
+
+def _quoted(key: str) -> str:
+    return json.dumps(key, ensure_ascii=not key.isprintable())
 
 
 def _known(where: Sequence[str]) -> tuple[str, Any]:
@@ -81,5 +90,5 @@ def what_to_write(*where: str) -> str:
     key, first = next(iter(value.items()))
     if isinstance(first, dict):
         return what_to_write(*where, key)
-    header = f"[[{path}]]" if path == "moves" else f"[{path}]"
+    header = f"[[{path}]]" if isinstance(EXAMPLE.get(path), list) else f"[{path}]"
     return f"{header} with {', '.join(value)}"

@@ -25,7 +25,8 @@ from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ..shaping.pieces import FloatArray
 from .margins import LoopMargins, loop_margins
 from .sampling import Clock, clock_for, followed, thinned
-from .scenario import Gains, Move, Scenario, load_scenario
+from .scenario import Gains, Mode, Move, Scenario, load_scenario
+from .shapers import residual_vibration
 from .step import KEPT, StepResponse, step_response
 
 if TYPE_CHECKING:
@@ -76,13 +77,15 @@ class MoveSurvey:
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
     varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
-    as the scenario describes it, with feedforward.
+    as the scenario describes it, with feedforward. `residual_vibration` maps the name of a mode
+    to the amplitude, at the end of the shaped command, of what the command leaves ringing in it.
     """
 
     name: str
     move: Move
     trajectory: Trajectory
     responses: Mapping[str, MoveResponse]
+    residual_vibration: Mapping[str, float]
 
     @property
     def duration_s(self) -> float:
@@ -230,9 +233,23 @@ def _move(
                 return loop.respond(trajectory, dt, duration=duration, jerk_filter=jerk_filter)
 
             responses[name] = _follow(name, respond, clock, move)
+        residual = {
+            mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in scenario.modes
+        }
     except ValueError as error:
         raise ValueError(f"{scenario.path}: move {move.name!r}: {error}") from None
-    return MoveSurvey(move.name, move, trajectory, MappingProxyType(responses))
+    return MoveSurvey(
+        move.name, move, trajectory, MappingProxyType(responses), MappingProxyType(residual)
+    )
+
+
+def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: Mode) -> float:
+    try:
+        return float(
+            residual_vibration(trajectory, mode.frequency_hz, mode.damping, jerk_filter=jerk_filter)
+        )
+    except ValueError as error:
+        raise ValueError(f"mode {mode.name!r}: {error}") from None
 
 
 def _variants(scenario: Scenario) -> dict[str, InertiaFeedforward]:

@@ -66,7 +66,8 @@ def _about_file(path: Path) -> str:
     if path.name == "__init__.py":
         return ""
     if path.suffix == ".toml":
-        return str(tomllib.loads(path.read_text(encoding="utf-8"))["title"])
+        text = path.read_text(encoding="utf-8")
+        return str(tomllib.loads(text).get("title") or text.partition("\n")[0].lstrip("# "))
     if path.parent.name == "notebooks":
         heading = re.search(r"^# # (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
         return heading.group(1) if heading else ""

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ...shaping import JerkFilter, Trajectory
 from ...shaping.checks import positive, whole
-from ...shaping.pieces import evaluate
 from ...shaping.trajectory_checks import finite_array
+from .spectrum import move_distance, velocity_spectrum
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     ComplexArray = NDArray[np.complex128]
 
 Shaper = Trajectory | JerkFilter
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
-_TURNS = 30.0  # ω·τ of a piece up to which this many nodes are exact
-_ROUNDING = 1e-9  # a jump smaller than this part of its derivative's peak is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +82,9 @@ def frequency_response(
 
     Notes
     -----
-    Towards ω = 0 the sum over the jumps cancels; there the integral is taken piece by piece, by
-    quadrature where a piece turns the phase by less than 30 radians. Whichever rounds less is
-    used: H is within 1e-13 of its value in 60 digits at any frequency, for orders to 7.
+    Towards ω = 0 the sum over the jumps cancels; there the integral is taken piece by piece
+    (`velocity_spectrum`): H is within 1e-13 of its value in 60 digits at any frequency, for orders
+    to 7.
 
     References
     ----------
@@ -138,7 +134,7 @@ def fft_frequency_response(
     ----------
     Thompson, "Snap, Crackle, and Pop", Section VI.
     """
-    distance, dt = _distance(trajectory), positive("dt", dt)
+    distance, dt = move_distance(trajectory), positive("dt", dt)
     count = int(np.ceil(trajectory.duration / dt)) + 1
     time = trajectory.start_time + dt * np.arange(count)
     velocity = np.asarray(trajectory(time, "velocity"))
@@ -189,47 +185,6 @@ def rollover_db_per_decade(shaper: Shaper, *, jerk_filter: JerkFilter | None = N
     return 20.0 * (order + (0 if jerk_filter is None else jerk_filter.order))
 
 
-def null_omegas(trajectory: Trajectory, highest: float) -> FloatArray:
-    """Return the frequencies up to a highest one at which the response is zero.
-
-    Those of a motion that runs backwards as it runs forwards: H(jω)·e^(jωT/2) is real, and its
-    changes of sign are found to the last digits. Other motions have minima, but no nulls.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        A move from rest to rest.
-    highest : float
-        In radians per time unit; positive.
-
-    Returns
-    -------
-    (K,) array
-        Increasing, in radians per time unit; empty for a motion that is not symmetric in time.
-        A double null, at which the sign stays, is not found.
-    """
-    from scipy.optimize import brentq
-
-    duration = trajectory.duration
-    count = int(np.ceil(4.0 * positive("highest", highest) * duration)) + 8
-    omega = np.linspace(0.0, highest, count)
-
-    def turned(frequencies: ArrayLike) -> ComplexArray:
-        result = frequency_response(trajectory, frequencies)
-        return np.asarray(result.response * np.exp(0.5j * result.omega * duration))
-
-    values = turned(omega)
-    if np.abs(values.imag).max() > _ROUNDING:
-        return np.empty(0)
-    changes = np.flatnonzero(values.real[:-1] * values.real[1:] < 0.0)
-    found = [
-        brentq(lambda w: turned(w)[0].real, omega[i], omega[i + 1], xtol=1e-15 * highest)
-        for i in changes
-    ]
-    exact = omega[values.real == 0.0]
-    return np.sort(np.concatenate([found, exact]))
-
-
 def _pace(shaper: Shaper, jerk_filter: JerkFilter | None) -> float:
     """Return a frequency below which nothing happens but at a hundredth of it."""
     paces = [
@@ -246,56 +201,6 @@ def _of_filter(jerk_filter: JerkFilter, omega: FloatArray) -> ComplexArray:
     return np.asarray((1.0 + 1j * omega / jerk_filter.omega) ** -jerk_filter.order)
 
 
-def _distance(trajectory: Trajectory) -> float:
-    """Return the distance of a move from rest to rest."""
-    moves = [trajectory.coasting_in()[1], *trajectory.end_state[1 : trajectory.order].tolist()]
-    distance = float(trajectory.end_state[0] - trajectory.start_state[0])
-    if any(moves) or not distance:
-        raise ValueError(
-            f"{trajectory!r}: expected a move from rest to rest over a distance other than zero"
-        )
-    return distance
-
-
 def _of_move(trajectory: Trajectory, omega: FloatArray) -> ComplexArray:
-    distance = _distance(trajectory)
-    times, jumps = _jumps(trajectory)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        powers = (1j * omega) ** -np.arange(1, trajectory.order + 1)[:, None]
-        by_jumps = (powers * (jumps @ np.exp(-1j * omega * times[:, None]))).sum(axis=0)
-        rounding = (np.abs(powers) * np.abs(jumps).sum(axis=1)[:, None]).sum(axis=0)
-    by_pieces, scale = _by_pieces(trajectory, omega)
-    return np.asarray(np.where(rounding < scale, by_jumps, by_pieces) / distance, dtype=complex)
-
-
-def _jumps(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return the breaks, from the start on, and the jumps (n, m + 1) of derivatives 1 … n there."""
-    n = trajectory.order
-    ends = evaluate(trajectory.states.T, trajectory.durations, range(1, n + 1))
-    nothing = np.zeros((n, 1))
-    jumps = np.hstack([trajectory.states.T[1:], nothing]) - np.hstack([nothing, ends])
-    peaks = np.array([[trajectory.peak(k)] for k in range(1, n + 1)])
-    jumps[np.abs(jumps) <= _ROUNDING * peaks] = 0.0
-    return trajectory.breaks - trajectory.start_time, jumps
-
-
-def _by_pieces(trajectory: Trajectory, omega: FloatArray) -> tuple[ComplexArray, float]:
-    """Return ∫ v·e^(−jωt) dt, taken piece by piece, and ∫ |v| dt, about."""
-    n = trajectory.order
-    total, scale = np.zeros(len(omega), dtype=complex), 0.0
-    starts = trajectory.breaks[:-1] - trajectory.start_time
-    for state, duration, start in zip(trajectory.states, trajectory.durations, starts, strict=True):
-        inside = 0.5 * duration * (1.0 + _NODES)
-        rows = np.repeat(state[:, None], len(inside), axis=1)
-        velocity = evaluate(rows, inside, range(1, 2))[0]
-        weighted = 0.5 * duration * _WEIGHTS * velocity
-        scale += float(np.abs(weighted).sum())
-        slow = np.abs(omega) * duration <= _TURNS
-        part = np.empty(len(omega), dtype=complex)
-        part[slow] = np.exp(-1j * omega[slow, None] * inside) @ weighted
-        fast = 1j * omega[~slow]
-        end = evaluate(state[:, None], np.array([duration]), range(1, n + 1))[:, 0]
-        turned = np.exp(-fast * duration)
-        part[~slow] = sum((state[k] - end[k - 1] * turned) / fast**k for k in range(1, n + 1))
-        total += part * np.exp(-1j * omega * start)
-    return total, scale
+    distance = move_distance(trajectory)
+    return velocity_spectrum(trajectory, 1j * omega) / distance

@@ -10,7 +10,6 @@ from jounce.analysis import (
     corner_omega,
     fft_frequency_response,
     frequency_response,
-    null_omegas,
     rollover_db_per_decade,
 )
 from jounce.shaping import (
@@ -193,24 +192,3 @@ def test_the_rollover_is_that_of_the_lowest_jump(order):
 
 def test_the_rollover_of_a_minimum_jerk_move_is_that_of_its_jerk():
     assert rollover_db_per_decade(min_jerk_move(1.0, duration=1.0)) == 60.0
-
-
-def test_nulls_of_two_boxcars():
-    """Velocity ramps of 0.5 and a cruise: boxcars of 2 and 0.5 time units."""
-    move = min_time_move(2.0, Limits(velocity=1.0, acceleration=2.0))
-    nulls = null_omegas(move, 14.0)
-    expected = np.sort([np.pi, 2.0 * np.pi, 3.0 * np.pi, 4.0 * np.pi])
-    double = 4.0 * np.pi  # a null of both: the sign stays
-    assert nulls == pytest.approx(expected[np.abs(expected - double) > 1e-9], rel=1e-12)
-
-
-def test_nulls_are_zeros_whatever_the_order():
-    move = min_time_move(1.0, Limits(velocity=1.0, acceleration=3.0, jerk=20.0))
-    nulls = null_omegas(move, 60.0)
-    assert len(nulls) > 5
-    assert np.abs(frequency_response(move, nulls).response).max() < 1e-13
-
-
-def test_a_move_that_is_not_symmetric_has_no_nulls():
-    move = min_time_move(1.0, Limits(velocity=1.0, acceleration=(-1.0, 3.0)))
-    assert null_omegas(move, 50.0).size == 0

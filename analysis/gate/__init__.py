@@ -1,0 +1,7 @@
+"""The regression gate: margins and motions of a loop beside stored numbers and bounds."""
+
+from .check import GateReport, check_scenario
+from .check_file import CheckError
+from .comparison import Row
+
+__all__ = ["CheckError", "GateReport", "Row", "check_scenario"]

@@ -1,0 +1,168 @@
+"""Baselines: every number of a scenario with its tolerance, stored as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..reading import read_json
+from ..scenario_messages import key_path
+from ..units import show
+from .check_file import CheckError
+from .numbers import Key
+
+FORMAT = 1
+"""Number of the layout, kept in the file under "jounce_baseline"."""
+
+_WHAT = "a baseline (JSON), as jounce check --update writes it"
+_ANEW = "delete the file and store the baseline anew"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A number of a baseline: its value, None where it does not exist, and its tolerance."""
+
+    value: float | None
+    rtol: float
+    atol: float
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The numbers of a scenario, or of a loop alone, whose `scenario` and unit are None."""
+
+    scenario: str | None
+    position_unit: str | None
+    numbers: Mapping[Key, Stored]
+
+    def text(self) -> str:
+        """Return the file's text: keys sorted, a line for each number, floats in full precision."""
+        tree: dict[str, Any] = {}
+        for key, stored in self.numbers.items():
+            branch = tree
+            for part in key[:-1]:
+                branch = branch.setdefault(part, {})
+            branch[key[-1]] = stored
+        content = {
+            "jounce_baseline": FORMAT,
+            "scenario": self.scenario,
+            "position_unit": self.position_unit,
+            "numbers": tree,
+        }
+        return _json(content) + "\n"
+
+    def write(self, path: Path) -> None:
+        """Write the file's text, with line feeds on every platform."""
+        path.write_bytes(self.text().encode("utf-8"))
+
+
+def load_baseline(path: Path) -> Baseline:
+    """Read a baseline.
+
+    Raises
+    ------
+    CheckError
+        If the file cannot be read or is no baseline: a line for every problem.
+    """
+    try:
+        content = read_json(path, _WHAT)
+    except ValueError as error:
+        raise CheckError(str(error)) from None
+    _refuse_other_files(path, content)
+    problems: list[str] = []
+    names = [content.get(key) for key in ("scenario", "position_unit")]
+    for key, name in zip(("scenario", "position_unit"), names, strict=True):
+        if name is not None and not isinstance(name, str):
+            problems.append(f"{key}: {show(name)} is not text; {_ANEW}")
+    numbers: dict[Key, Stored] = {}
+    for where, entry in _entries(content.get("numbers"), ("numbers",), problems):
+        problem = _problem_of(entry)
+        if problem:
+            problems.append(f"{key_path(where)}: {problem}; {_ANEW}")
+        else:
+            value = None if entry["value"] is None else float(entry["value"])
+            numbers[where[1:]] = Stored(value, float(entry["rtol"]), float(entry["atol"]))
+    if not problems and not numbers:
+        problems.append(f"numbers: holds none; {_ANEW}")
+    if problems:
+        raise CheckError("\n".join(f"{path}: {problem}" for problem in problems))
+    return Baseline(names[0], names[1], MappingProxyType(numbers))
+
+
+def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None:
+    """Refuse a baseline of another scenario, or one in another unit."""
+    if stored.scenario != scenario:
+        whose = "a loop alone" if stored.scenario is None else show(stored.scenario)
+        raise CheckError(
+            f"{path}: is the baseline of {whose}, not of {show(scenario)}; name another file, or "
+            "delete this one and store it anew"
+        )
+    if stored.position_unit != unit:
+        raise CheckError(
+            f"{path}: is in {show(stored.position_unit)}, the scenario in {show(unit)}; {_ANEW}"
+        )
+
+
+def _json(value: object, indent: str = "\n") -> str:
+    """Return sorted JSON, a stored number on a line of its own."""
+    if isinstance(value, Stored):
+        value = {"atol": value.atol, "rtol": value.rtol, "value": value.value}
+    elif isinstance(value, dict) and value:
+        inner = indent + "  "
+        entries = [f"{_json(name)}: {_json(value[name], inner)}" for name in sorted(value)]
+        return f"{{{inner}{f',{inner}'.join(entries)}{indent}}}"
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _refuse_other_files(path: Path, content: object) -> None:
+    if not isinstance(content, dict) or "jounce_baseline" not in content:
+        raise CheckError(f"{path}: is no baseline; name {_WHAT}")
+    layout = content["jounce_baseline"]
+    if layout is True or layout != FORMAT:
+        raise CheckError(
+            f"{path}: jounce_baseline: {show(layout)} is a layout that this version does not "
+            f"know, it reads {FORMAT}; use the version that wrote it, or {_ANEW}"
+        )
+
+
+def _entries(
+    table: object, where: Key, problems: list[str]
+) -> Iterator[tuple[Key, dict[str, Any]]]:
+    """Yield what stands for each number: a table without tables."""
+    if not isinstance(table, dict):
+        problems.append(f"{key_path(where)}: {show(table)} is not a table; {_ANEW}")
+        return
+    for name, value in table.items():
+        if isinstance(value, dict) and any(isinstance(entry, dict) for entry in value.values()):
+            yield from _entries(value, (*where, name), problems)
+        elif isinstance(value, dict):
+            yield (*where, name), value
+        else:
+            problems.append(f"{key_path((*where, name))}: {show(value)} is not a table; {_ANEW}")
+
+
+def _problem_of(entry: Mapping[str, Any]) -> str:
+    """Return what is wrong with what stands for a number, or nothing."""
+    for name in ("value", "rtol", "atol"):
+        if name not in entry:
+            return f"{name} is missing"
+        value = entry[name]
+        if value is None and name == "value":
+            continue
+        if not _is_finite(value) or (name != "value" and value < 0.0):
+            accepted = "a finite number" if name == "value" else "a number not below zero"
+            return f"{name} = {show(value)} is not {accepted}"
+    unknown = sorted(set(entry) - {"value", "rtol", "atol"})
+    return f"{show(unknown[0])} is not known" if unknown else ""
+
+
+def _is_finite(value: object) -> bool:
+    try:
+        return not isinstance(value, bool) and isinstance(value, int | float) and isfinite(value)
+    except OverflowError:
+        return False

@@ -1,0 +1,177 @@
+"""Check files: bounds and tolerances of a scenario's numbers, as TOML beside the scenario."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, isfinite
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..reading import read_toml
+from ..scenario_messages import key_path
+from ..units import show
+from .numbers import Key, Number
+
+_WHAT = "a check file (TOML)"
+_KEYS = ("min", "max", "rtol", "atol")
+
+
+class CheckError(ValueError):
+    """A check file or a baseline cannot be used; its message has a line for each problem."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What a check file asks of one number; `rtol` and `atol` are None where it does not say."""
+
+    least: float = -inf
+    most: float = inf
+    rtol: float | None = None
+    atol: float | None = None
+
+    def admits(self, value: float) -> bool:
+        """Whether a value lies within the bounds; one that does not exist lies in none."""
+        unbounded = self.least == -inf and self.most == inf
+        return unbounded or self.least <= value <= self.most
+
+
+@dataclass(frozen=True)
+class Checks:
+    """A check file: a relative tolerance for all numbers, and requirements of some."""
+
+    rtol: float | None = None
+    requirements: Mapping[Key, Requirement] = field(default_factory=lambda: MappingProxyType({}))
+
+    def of(self, key: Key) -> Requirement:
+        """Return what is asked of a number."""
+        return self.requirements.get(key, Requirement())
+
+
+def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:
+    """Read a check file.
+
+    Parameters
+    ----------
+    path : Path
+        A TOML file laid out as ``examples/telescope.check.toml`` explains.
+    numbers : sequence of Number
+        Those that there are.
+
+    Raises
+    ------
+    CheckError
+        If the file cannot be read, or for what it says: a line for every problem, with the
+        file, the key, the value, and what to write.
+    """
+    content = read_check_file(path)
+    problems: list[str] = []
+    rtol = content.pop("rtol", None)
+    if rtol is not None and (problem := _problem_of("rtol", rtol)):
+        problems.append(f"rtol: {problem}")
+    requirements: dict[Key, Requirement] = {}
+    known = {number.key: number for number in numbers}
+    for key, value in _leaves(content, (), known, problems):
+        found = _problems_of(known[key], value)
+        problems += [f"{key_path(key)}: {problem}" for problem in found]
+        if not found:
+            requirements[key] = _requirement(value)
+    if problems:
+        raise CheckError("\n".join(f"{path}: {problem}" for problem in problems))
+    return Checks(None if rtol is None else float(rtol), MappingProxyType(requirements))
+
+
+def read_check_file(path: Path) -> dict[str, Any]:
+    """Return the content of a check file, unchecked.
+
+    Raises
+    ------
+    CheckError
+        If the file cannot be read or is no TOML.
+    """
+    try:
+        return read_toml(path, _WHAT)
+    except ValueError as error:
+        raise CheckError(str(error)) from None
+
+
+def _leaves(
+    table: Mapping[str, Any], where: Key, known: Mapping[Key, Number], problems: list[str]
+) -> Iterator[tuple[Key, Any]]:
+    """Yield what is said of each known number, problems noted for all else."""
+    for name, value in table.items():
+        key = (*where, name)
+        if key in known:
+            yield key, value
+        elif not any(other[: len(key)] == key for other in known):
+            problems.append(f"{key_path(key)}: {_unknown(key, known)}")
+        elif isinstance(value, dict):
+            yield from _leaves(value, key, known, problems)
+        else:
+            example = next(other for other in known if other[: len(key)] == key)
+            problems.append(
+                f"{key_path(key)}: {show(value)} is not a table; "
+                f"write {key_path(example)} = {_example(known[example])}"
+            )
+
+
+def _unknown(key: Key, known: Mapping[Key, Number]) -> str:
+    """Return what to say of a name that no number has."""
+    depth = len(key)
+    here = list(dict.fromkeys(k[depth - 1] for k in known if k[: depth - 1] == key[:-1]))
+    near = difflib.get_close_matches(key[-1], here, n=1)
+    if near:
+        guess = key_path((*key[:-1], near[0]))
+    else:
+        paths = [key_path(other) for other in known]
+        guess = next(iter(difflib.get_close_matches(key_path(key), paths, n=1)), "")
+    remedy = f"did you mean {guess}?" if guess else "remove it"
+    return f"no number has this name; there are {', '.join(key_path([k]) for k in here)}; {remedy}"
+
+
+def _problems_of(number: Number, value: object) -> list[str]:
+    """Return what is wrong with what is said of a number."""
+    if not isinstance(value, dict):
+        return [f"{show(value)} is not a table; write {_example(number)}"]
+    if not value:
+        return [f"is empty; write {_example(number)}"]
+    problems = []
+    for name, entry in value.items():
+        if name not in _KEYS:
+            problems.append(f"{name} is not known; write some of {', '.join(_KEYS)}")
+        elif problem := _problem_of(name, entry):
+            problems.append(f"{name} = {problem}")
+    if not problems and value.get("min", -inf) > value.get("max", inf):
+        problems.append(
+            f"min = {show(value['min'])} is above max = {show(value['max'])}; exchange them"
+        )
+    return problems
+
+
+def _problem_of(name: str, value: object) -> str:
+    """Return what is wrong with one number of a check file, or nothing."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f"{show(value)} is not a number; write it plain, in the unit of the number's name"
+    try:
+        finite = isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
+        return f"{show(value)} is not finite; write a finite number or leave {name} out"
+    if name in ("rtol", "atol") and value < 0.0:
+        return f"{show(value)} is below zero; write a tolerance such as 1e-6"
+    return ""
+
+
+def _requirement(value: Mapping[str, Any]) -> Requirement:
+    numbers = {name: float(entry) for name, entry in value.items()}
+    return Requirement(
+        numbers.get("min", -inf), numbers.get("max", inf), numbers.get("rtol"), numbers.get("atol")
+    )
+
+
+def _example(number: Number) -> str:
+    value = f"{number.value:.3g}" if isfinite(number.value) else "1"
+    return f"{{ {'min' if number.better == 'higher' else 'max'} = {value} }}"

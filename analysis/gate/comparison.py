@@ -1,0 +1,199 @@
+"""A loop's numbers beside their baseline and their bounds: what was, is and may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, isnan
+from typing import Literal
+
+from ..scenario_messages import key_path
+from .baseline import Baseline, Stored
+from .check_file import Checks, Requirement
+from .numbers import RTOL, Better, Key, Number, absent
+
+Verdict = Literal[
+    "outside", "worse", "changed", "gone", "better", "new", "same", "within", "unchecked"
+]
+
+FAILURES: tuple[Verdict, ...] = ("outside", "worse", "changed", "gone")
+"""Verdicts that fail a check."""
+
+NOTES: tuple[Verdict, ...] = ("better", "new")
+"""Verdicts that pass, but that a new baseline would settle."""
+
+_DIGITS = 7
+_MOST_DIGITS = 17
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number: what it was and is, what it may be, and what that comes to.
+
+    Attributes
+    ----------
+    key : tuple of str
+        Its name in parts.
+    was, now : float or None
+        None where the baseline, or the loop, has no such number; inf or nan where it has the
+        number but no value: nothing limits the margin, the response never settles.
+    least, most : float
+        The smallest and largest value that would pass.
+    verdict : str
+        "outside" a bound of the check file, or beside the baseline: "worse", "better",
+        "changed" (beyond tolerance, for a number without a better side), "same" (within
+        tolerance), "gone" (only in the baseline) or "new" (not in it). Without a baseline:
+        "within" the bounds, or "unchecked" for want of any.
+    """
+
+    key: Key
+    was: float | None
+    now: float | None
+    least: float
+    most: float
+    verdict: Verdict
+
+    @property
+    def name(self) -> str:
+        """The key as the check file writes it."""
+        return key_path(self.key)
+
+    @property
+    def was_shown(self) -> str:
+        """What was, as text; empty where there was nothing."""
+        return _shown(self.was, self._digits)
+
+    @property
+    def now_shown(self) -> str:
+        """What is, as text; empty where there is nothing."""
+        return _shown(self.now, self._digits)
+
+    @property
+    def allowed(self) -> str:
+        """What may be, as text; empty where anything may."""
+        if self.least == inf or isnan(self.least):
+            return "none"
+        least, most = (f"{bound:.{self._digits}g}" for bound in (self.least, self.most))
+        if self.least == -inf:
+            return "" if self.most == inf else f"<= {most}"
+        return f">= {least}" if self.most == inf else f"{least} to {most}"
+
+    @property
+    def message(self) -> str:
+        """The row as a sentence."""
+        if self.now is None:
+            return f"{self.name} was {self.was_shown} and is measured no more"
+        was = f", was {self.was_shown}" if self.was is not None else ""
+        allowed = f"; allowed {self.allowed}" if self.allowed else ""
+        return f"{self.name} is {self.now_shown}{was}: {self.verdict}{allowed}"
+
+    @property
+    def _digits(self) -> int:
+        """Digits that tell a change from what was and may be."""
+        if self.verdict not in (*FAILURES, "better") or self.now is None:
+            return _DIGITS
+        edges = [x for x in (self.was, self.least, self.most) if x is not None and isfinite(x)]
+        for digits in range(_DIGITS, _MOST_DIGITS):
+            now = _shown(self.now, digits)
+            if all(now != _shown(edge, digits) for edge in edges if edge != self.now):
+                return digits
+        return _MOST_DIGITS
+
+
+def compare(
+    numbers: Sequence[Number],
+    baseline: Baseline | None,
+    checks: Checks,
+    *,
+    two_sided: bool = False,
+) -> tuple[Row, ...]:
+    """Return a row for every number, measured or stored.
+
+    A number is the same as in its baseline where they differ by no more than
+    max(rtol·|was|, atol), or where neither has a value. Tolerances are those of the check file
+    where it names them, else those of the baseline. With `two_sided`, what a row allows ends on
+    the better side, too.
+    """
+    rows = [_row(number, baseline, checks, two_sided=two_sided) for number in numbers]
+    known = {number.key for number in numbers}
+    stored = {} if baseline is None else baseline.numbers
+    gone = [_gone(key, entry) for key, entry in stored.items() if key not in known]
+    return (*rows, *gone)
+
+
+def measured_baseline(
+    numbers: Sequence[Number],
+    previous: Baseline | None,
+    checks: Checks,
+    *,
+    scenario: str | None = None,
+    position_unit: str | None = None,
+) -> Baseline:
+    """Return numbers as a baseline, with the tolerances that `compare` would take."""
+    before = {} if previous is None else previous.numbers
+    stored = {}
+    for number in numbers:
+        rtol, atol = _tolerance(number, before.get(number.key), checks)
+        value = number.value if isfinite(number.value) else None
+        stored[number.key] = Stored(value, rtol, atol)
+    return Baseline(scenario, position_unit, stored)
+
+
+def _row(number: Number, baseline: Baseline | None, checks: Checks, *, two_sided: bool) -> Row:
+    asked = checks.of(number.key)
+    stored = None if baseline is None else baseline.numbers.get(number.key)
+    was, least, most = None, asked.least, asked.most
+    verdict: Verdict = "new" if baseline is not None else _unstored(asked)
+    if stored is not None:
+        was = absent(number.better) if stored.value is None else stored.value
+        rtol, atol = _tolerance(number, stored, checks)
+        width = max(rtol * abs(was), atol) if isfinite(was) else 0.0
+        verdict = _beside(was, number, width)
+        least, most = _allowed(was, None if two_sided else number.better, width, asked)
+    if not asked.admits(number.value):
+        verdict, least, most = "outside", asked.least, asked.most
+    return Row(number.key, was, number.value, least, most, verdict)
+
+
+def _unstored(asked: Requirement) -> Verdict:
+    return "unchecked" if asked.least == -inf and asked.most == inf else "within"
+
+
+def _gone(key: Key, stored: Stored) -> Row:
+    was = inf if stored.value is None else stored.value
+    return Row(key, was, None, -inf, inf, "gone")
+
+
+def _tolerance(number: Number, stored: Stored | None, checks: Checks) -> tuple[float, float]:
+    """Return rtol and atol: the check file's, else the baseline's, else the usual ones."""
+    asked = checks.of(number.key)
+    before = (RTOL, number.atol) if stored is None else (stored.rtol, stored.atol)
+    return _first(asked.rtol, checks.rtol, before[0]), _first(asked.atol, before[1])
+
+
+def _first(*values: float | None) -> float:
+    return next(value for value in values if value is not None)
+
+
+def _beside(was: float, number: Number, width: float) -> Verdict:
+    now = number.value
+    neither = isnan(was) and isnan(now)
+    if now == was or neither or abs(now - was) <= width:
+        return "same"
+    if number.better is None:
+        return "changed"
+    return "better" if (now > was) == (number.better == "higher") else "worse"
+
+
+def _allowed(was: float, better: Better, width: float, asked: Requirement) -> tuple[float, float]:
+    """Return the interval that passes; that of the baseline where none passes both."""
+    least = -inf if better == "lower" else was - width
+    most = inf if better == "higher" else was + width
+    both = max(least, asked.least), min(most, asked.most)
+    return (least, most) if both[0] > both[1] else both
+
+
+def _shown(value: float | None, digits: int) -> str:
+    if value is None:
+        return ""
+    return f"{value + 0.0:.{digits}g}" if isfinite(value) else "none"

@@ -1,0 +1,147 @@
+"""The pytest fixture `margins_regression`: a loop's numbers, kept in a file beside the test."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from pytest_regressions.common import perform_regression_check
+
+from ...plant import ServoLoop
+from ...shaping.checks import finite
+from ..margins import LoopMargins, loop_margins
+from ..output import write_files
+from .baseline import load_baseline
+from .check_file import CheckError, Checks
+from .comparison import compare, measured_baseline
+from .formats import table_text
+from .numbers import Number, loop_numbers, survey_numbers
+
+if TYPE_CHECKING:
+    import control
+    import pytest
+    from pytest_datadir.plugin import LazyDataDir
+
+    from ..scenario import Scenario
+    from ..survey import Survey
+
+    Loop: TypeAlias = control.StateSpace | control.TransferFunction | ServoLoop | LoopMargins
+    Checked: TypeAlias = Loop | Survey | Scenario | str | Path
+
+_DIFFERENT = ("worse", "changed", "gone", "better")
+
+
+class MarginsRegression:
+    """The fixture `margins_regression`; it is made by pytest for one test."""
+
+    def __init__(
+        self, datadir: LazyDataDir, original_datadir: Path, request: pytest.FixtureRequest
+    ) -> None:
+        self._datadir = datadir
+        self._original_datadir = original_datadir
+        self._request = request
+        self.force_regen = False
+        self.with_test_class_names = False
+
+    def check(
+        self,
+        loop: Checked,
+        *,
+        rtol: float | None = None,
+        basename: str | None = None,
+        fullpath: str | Path | None = None,
+    ) -> None:
+        """Compare the numbers of a loop with those kept in a JSON file beside the test.
+
+        The first run writes the file and fails, as all of pytest-regressions' fixtures do;
+        `pytest --force-regen` writes it anew. Any change beyond the tolerance fails, for the
+        better too: the file says what the loop is like. ::
+
+            def test_axis(margins_regression):
+                margins_regression.check(loop)
+
+        Parameters
+        ----------
+        loop : control.StateSpace, control.TransferFunction, ServoLoop, LoopMargins, …
+            An open loop L(s) or a servo loop, whose margins are kept; or a Survey, a Scenario
+            or the path of a scenario file, of which every number is kept.
+        rtol : float, optional
+            Relative tolerance of every number. Default: the file's, 1e-6 where it is new.
+        basename : str, optional
+            Name of the file without its suffix, where a test checks several loops. Default:
+            the test's name.
+        fullpath : str or Path, optional
+            Path of the file, in place of `basename`.
+
+        Raises
+        ------
+        AssertionError
+            Where a number differs, with a table of what was, is and is allowed; where the file
+            is no baseline; where the loop is unstable.
+        ValueError
+            For a negative tolerance, and where the loop has no margins at all.
+        """
+        __tracebackhide__ = True
+        if rtol is not None and finite("rtol", rtol) < 0.0:
+            raise ValueError(f"rtol = {rtol!r}: expected a number not below zero")
+        numbers, unit = _measured(loop)
+        checks = Checks(rtol)
+        baseline = measured_baseline(numbers, None, checks, position_unit=unit)
+        perform_regression_check(
+            datadir=self._datadir,
+            original_datadir=self._original_datadir,
+            request=self._request,
+            check_fn=partial(_compare, numbers, unit, checks),
+            dump_fn=lambda path: write_files({path: baseline.write}),
+            extension=".json",
+            basename=basename,
+            fullpath=None if fullpath is None else Path(fullpath),
+            force_regen=self.force_regen,
+            with_test_class_names=self.with_test_class_names,
+        )
+
+
+def _measured(loop: Checked) -> tuple[tuple[Number, ...], str | None]:
+    """Return the numbers of a loop and the unit of positions among them."""
+    __tracebackhide__ = True
+    from ..scenario import Scenario
+    from ..survey import Survey, UnstableLoopError, survey
+
+    if isinstance(loop, Scenario | str | Path):
+        try:
+            loop = survey(loop)
+        except UnstableLoopError as error:
+            raise AssertionError(str(error)) from None
+    if isinstance(loop, Survey):
+        return survey_numbers(loop), loop.scenario.position_unit
+    margins = _margins(loop)
+    if not margins.stable:
+        raise AssertionError(f"there are no margins to keep: {margins.summary()}")
+    return loop_numbers(margins), None
+
+
+def _margins(loop: Any) -> LoopMargins:
+    if isinstance(loop, LoopMargins):
+        return loop
+    return loop_margins(loop.loop_transfer() if isinstance(loop, ServoLoop) else loop)
+
+
+def _compare(
+    numbers: tuple[Number, ...], unit: str | None, checks: Checks, _obtained: Path, expected: Path
+) -> None:
+    __tracebackhide__ = True
+    remedy = "If this is meant, run pytest --force-regen and commit the file."
+    try:
+        stored = load_baseline(expected)
+    except CheckError as error:
+        raise AssertionError(f"{error}\n{remedy}") from None
+    if stored.position_unit != unit:
+        raise AssertionError(
+            f"{expected.name} has positions in {stored.position_unit}, not in {unit}. {remedy}"
+        )
+    rows = compare(numbers, stored, checks, two_sided=True)
+    different = [row for row in rows if row.verdict in _DIFFERENT]
+    if different:
+        title = f"{len(different)} of {len(rows)} numbers differ from {expected.name}"
+        raise AssertionError(f"{table_text(different, title)}\n{remedy}")

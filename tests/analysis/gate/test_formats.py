@@ -1,0 +1,121 @@
+"""A report's formats: nothing cut off, nothing that a reader of the format would stumble over."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from jounce.analysis.gate.check import GateReport
+from jounce.analysis.gate.comparison import Row
+from jounce.analysis.gate.formats import github_lines, junit_text, report_text, summary, table_text
+
+INF = math.inf
+SAME = Row(("margins", "disk_margin"), 0.7, 0.7, 0.69, INF, "same")
+WORSE = Row(("moves", '[b]<50 %>, "a": é\\😀[/b]', "peak_error"), 1.0, 2.0, -INF, 1.0, "worse")
+BETTER = Row(("step", "overshoot_percent"), 40.0, 39.0, -INF, 40.0, "better")
+NEW = Row(("step", "rise_time_s"), None, 0.1, -INF, INF, "new")
+OUTSIDE = Row(("margins", "phase_margin_deg"), 45.0, 43.0, 44.0, INF, "outside")
+UNCHECKED = Row(("margins", "crossover_hz"), None, 1.0, -INF, INF, "unchecked")
+NAME = WORSE.name
+
+
+def report(*rows: Row, **changes) -> GateReport:
+    made = GateReport("Axis [1]: 100 %, <&>", Path("a folder/axis,1.toml"), "mm", rows)
+    return replace(made, **changes)
+
+
+def test_the_table_has_failures_first_then_notes_and_cuts_nothing():
+    text = table_text([SAME, BETTER, WORSE], "Title [x] :cat:")
+    assert "Title [x] :cat:" in text
+    places = [text.index(row.name) for row in (WORSE, BETTER, SAME)]
+    assert places == sorted(places)
+    row = next(line for line in text.splitlines() if NAME in line)
+    assert row.split()[-5:] == ["1", "2", "<=", "1", "worse"]
+
+
+def test_a_long_name_is_folded_not_cut():
+    name = "long " * 60
+    text = table_text([replace(SAME, key=("moves", name, "duration_s"))], "Title")
+    assert "…" not in text
+    assert text.count("g") == 60  # nothing else on the page has this letter
+
+
+@pytest.mark.parametrize(
+    ("found", "text"),
+    [
+        (report(SAME), "Passed: 1 numbers (1 same)"),
+        (report(SAME, WORSE, OUTSIDE), "FAILED: 2 of 3 numbers (1 outside, 1 worse, 1 same)\nTo "
+         "accept what is measured, store it with --update"),
+        (report(OUTSIDE), "FAILED: 1 of 1 numbers (1 outside)"),
+        (report(SAME, BETTER, NEW), "Passed: 3 numbers (1 better, 1 new, 1 same)\nTo accept what "
+         "is measured, store it with --update"),
+        (report(WORSE, update=True), "Passed: 1 numbers (1 worse)"),
+        (report(WORSE, OUTSIDE, update=True), "FAILED: 1 of 2 numbers (1 outside, 1 worse)\n"
+         "Nothing is stored while a bound of the check file is broken"),
+        (report(unstable="axis.toml: UNSTABLE"), "FAILED: axis.toml: UNSTABLE"),
+    ],
+    ids=["same", "worse", "outside", "better", "update", "update-outside", "unstable"],
+)  # fmt: skip
+def test_the_summary(found, text):
+    assert summary(found) == text
+    assert report_text(found).endswith(text)
+
+
+def test_annotations_are_escaped():
+    (line,) = github_lines(report(SAME, WORSE))
+    assert line == (
+        "::error file=a folder/axis%2C1.toml,title=jounce check%3A Axis [1]%3A 100 %25%2C <&>::"
+        r'moves."[b]<50 %25>, \"a\": é\\😀[/b]".peak_error is 2, was 1: worse; allowed <= 1'
+    )
+
+
+def test_notes_are_one_warning():
+    (line,) = github_lines(report(BETTER, NEW))
+    assert line.startswith("::warning file=")
+    assert line.count("%0A") == 2
+    assert "\n" not in line
+    assert github_lines(report(BETTER, NEW, update=True)) == []
+
+
+def test_an_unstable_loop_is_annotated():
+    (line,) = github_lines(report(unstable="a\r\nb"))
+    assert line.startswith("::error file=")
+    assert line.endswith("::a%0D%0Ab")
+
+
+def test_junit_has_a_case_for_every_number():
+    text = junit_text(report(SAME, WORSE, BETTER, NEW, UNCHECKED))
+    assert text.startswith('<?xml version="1.0" encoding="utf-8"?>\n')
+    root = ElementTree.fromstring(text)
+    (suite,) = root
+    assert (root.tag, suite.tag) == ("testsuites", "testsuite")
+    assert suite.get("name") == "Axis [1]: 100 %, <&>"
+    assert [suite.get(key) for key in ("tests", "failures", "errors", "skipped")] == list("5100")
+    assert [case.get("name") for case in suite] == [
+        "stable",
+        *(r.name for r in (SAME, WORSE, BETTER, NEW)),
+    ]
+    assert {case.get("classname") for case in suite} == {"jounce.check.axis,1"}
+    (failure,) = suite.iter("failure")
+    assert failure.get("type") == "worse"
+    assert failure.get("message") == failure.text == WORSE.message
+
+
+def test_junit_tells_of_an_unstable_loop():
+    (suite,) = ElementTree.fromstring(junit_text(report(unstable="UNSTABLE, pole at 1")))
+    (case,) = suite
+    assert (suite.get("failures"), case.get("name")) == ("1", "stable")
+    assert case.find("failure").text == "UNSTABLE, pole at 1"
+
+
+def test_junit_of_an_update_fails_on_bounds_alone():
+    (suite,) = ElementTree.fromstring(junit_text(report(WORSE, OUTSIDE, update=True)))
+    assert [failure.get("type") for failure in suite.iter("failure")] == ["outside"]
+
+
+@pytest.mark.parametrize("text", ["\x00\x1b[31m\ud800\ufffe", "a\nb"], ids=["control", "line"])
+def test_junit_is_xml_whatever_the_title_and_path(text):
+    found = report(SAME, title=text, path=Path(f"{text}.toml"), unstable=text)
+    ElementTree.fromstring(junit_text(found).encode("utf-8"))
