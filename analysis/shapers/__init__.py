@@ -1,6 +1,13 @@
 """Shapers as filters: frequency response, residual vibration, describing functions."""
 
 from .cascaded_lags import CascadedLags, cascaded_lags
+from .describing_function import (
+    DescribingFunction,
+    PeriodicResponse,
+    describing_function,
+    periodic_response,
+)
+from .first_order_lag import FirstOrderLag, first_order_lag, rate_limiter_corner_omega
 from .frequency import (
     FrequencyResponse,
     corner_omega,
@@ -14,17 +21,24 @@ from .vibration import VibrationMap, residual_vibration, vibration_map
 
 __all__ = [
     "CascadedLags",
+    "DescribingFunction",
+    "FirstOrderLag",
     "FrequencyResponse",
     "NullBySize",
+    "PeriodicResponse",
     "VibrationMap",
     "cascaded_lags",
     "corner_omega",
+    "describing_function",
     "fft_frequency_response",
+    "first_order_lag",
     "frequency_response",
     "null_by_size",
     "null_omegas",
     "null_rise_time",
+    "periodic_response",
     "place_null",
+    "rate_limiter_corner_omega",
     "residual_vibration",
     "rollover_db_per_decade",
     "vibration_map",
