@@ -1,5 +1,6 @@
 """Margins and surveys of servo loops, scenario files, tables, pictures and the command line."""
 
+from .conformance import Conformance, conformance, read_log
 from .gate import CheckError, GateReport, check_scenario
 from .margins import LoopMargins, loop_margins
 from .scenario import Scenario, ScenarioError, load_scenario
@@ -32,6 +33,7 @@ from .survey import Survey, UnstableLoopError, survey
 __all__ = [
     "CascadedLags",
     "CheckError",
+    "Conformance",
     "DescribingFunction",
     "FirstOrderLag",
     "FrequencyResponse",
@@ -46,6 +48,7 @@ __all__ = [
     "VibrationMap",
     "cascaded_lags",
     "check_scenario",
+    "conformance",
     "corner_omega",
     "describing_function",
     "fft_frequency_response",
@@ -59,6 +62,7 @@ __all__ = [
     "periodic_response",
     "place_null",
     "rate_limiter_corner_omega",
+    "read_log",
     "residual_vibration",
     "rollover_db_per_decade",
     "survey",

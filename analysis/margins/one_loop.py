@@ -82,7 +82,7 @@ def loop_margins(
     (51.827, inf)
     >>> delayed = loop_margins(control.tf([1], [1, 1, 0]), delay=0.5)
     >>> round(delayed.phase_margin_deg, 3), round(delayed.upper_gain_margin_db, 3)
-    (29.306, 7.245)
+    (29.306, 6.647)
     """
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))

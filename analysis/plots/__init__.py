@@ -1,5 +1,6 @@
 """Pictures of results: each function takes a result and an Axes, draws, returns the Axes."""
 
+from .conformance import plot_conformance
 from .describing import (
     plot_describing_function,
     plot_describing_gain,
@@ -18,6 +19,7 @@ from .survey import plot_survey
 
 __all__ = [
     "plot_cascaded_lags",
+    "plot_conformance",
     "plot_describing_function",
     "plot_describing_gain",
     "plot_describing_phase",

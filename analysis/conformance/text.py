@@ -1,0 +1,101 @@
+"""Conformance as text: the table of peaks and verdicts, and how far jerk can be trusted."""
+
+from __future__ import annotations
+
+from io import StringIO
+from math import inf, isfinite
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from .bands import OVERSHOOT
+
+if TYPE_CHECKING:
+    from .verdict import Conformance, Peak
+
+_COLUMNS = ("", "peak used", "error bar", "of noise", "of smoothing", "limit", "verdict")
+_COLOURS = {"kept": "green", "broken": "red", "cannot tell": "yellow", "no limit": "dim"}
+_WIDTH = 100
+
+
+def conformance_table(result: Conformance) -> Table:
+    """Return peaks, error bars, limits and verdicts.
+
+    "Of noise" and "of smoothing" are the half-widths of the error bar at the peak; the error bar
+    itself goes from the largest lower end to the largest upper end at any time.
+    """
+    title = Text(f"Conformance of {result.readings} readings")
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    for i, column in enumerate(_COLUMNS):
+        table.add_column(Text(column), justify="right" if i else "left", overflow="fold")
+    for peak in result.peaks:
+        limit = "none" if peak.limit == inf else f"{peak.limit:.6g}"
+        verdict = Text(peak.verdict, _COLOURS[peak.verdict])
+        table.add_row(peak.name, *_measured(result, peak), limit, verdict)
+    return table
+
+
+def conformance_text(result: Conformance) -> str:
+    """Return the table and the notes as plain text."""
+    page = StringIO()
+    Console(file=page, width=_WIDTH, color_system=None).print(conformance_table(result))
+    lines = [line.rstrip() for line in page.getvalue().splitlines()]
+    for note in conformance_notes(result):
+        lines += wrap(note, _WIDTH)
+    return "\n".join(lines).strip("\n")
+
+
+def conformance_notes(result: Conformance) -> list[str]:
+    """Return sentences on noise, on what is too short to be seen, and on jerk."""
+    known = f", resolution {result.resolution:.4g}" if result.resolution else ""
+    notes = [
+        f"Noise of a reading {result.noise:.3g}{known}; an excess shorter than "
+        f"{result.resolved_time:.3g} may not be seen.",
+        _jerk_note(result),
+    ]
+    if len(result.bands[0].starts) > 1 or result.left_out:
+        short = f", nor of {result.left_out} readings in parts too short or at rest"
+        notes.append(
+            f"Pauses of up to {result.longest_gap:.3g} part the log: nothing is said of what "
+            f"happened meanwhile{short if result.left_out else ''}."
+        )
+    elif result.longest_gap > result.resolved_time:
+        notes.append(
+            f"Up to {result.longest_gap:.3g} go by without a reading: what happened meanwhile may "
+            "not be seen."
+        )
+    tolerance = result.peaks[0].tolerance
+    if tolerance:
+        notes.append(f"A limit counts as kept up to {100.0 * tolerance:.3g} % above it.")
+    if any(peak.most == inf for peak in result.peaks):
+        notes.append("Snap and above cannot be taken from a log: leave their limits out.")
+    return notes
+
+
+def _jerk_note(result: Conformance) -> str:
+    band = result.band("jerk")
+    peak, noise = float(np.abs(band.values).max()), float(np.median(band.noise))
+    part = f"±{100.0 * noise / peak:.2g} % of the peak used" if peak else f"±{noise:.3g}"
+    return (
+        f"Jerk is unreliable: noise alone makes {part} (an error of the readings becomes "
+        f"{band.amplification:.2g} times as much jerk), and beside a jump the fit overshoots by "
+        f"{100.0 * OVERSHOOT:.2g} % of it."
+    )
+
+
+def _measured(result: Conformance, peak: Peak) -> tuple[str, str, str, str]:
+    if not isfinite(peak.most):
+        return "—", "—", "—", "—"
+    band = result.band(peak.derivative)
+    at = int(np.searchsorted(band.times, peak.time))
+    return (
+        f"{peak.used:.5g}",
+        f"−{peak.used - peak.least:.2g} +{peak.most - peak.used:.2g}",
+        f"±{band.noise[at]:.2g}",
+        f"±{band.smoothing[at]:.2g}",
+    )

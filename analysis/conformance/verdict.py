@@ -1,0 +1,280 @@
+"""Whether a log kept its limits: peaks used, their error bars, verdicts, and the table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf, nan, sqrt
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...shaping import Limits
+from ...shaping.checks import finite, positive
+from ...shaping.derivatives import derivative_name, derivative_number
+from .bands import RESOLVED, Band, joint_band
+from .fit import fit_spline
+from .readings import FEWEST, checked_log, found_resolution, merged, parts
+from .spline import SplineFit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.table import Table
+
+    from ...shaping.pieces import FloatArray
+
+MEASURED = 3
+"""Highest derivative that is taken from a log."""
+
+Verdict = Literal["kept", "broken", "cannot tell", "no limit"]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest value of a derivative in one direction, or in both.
+
+    Attributes
+    ----------
+    derivative : int
+    direction : int
+        1 forward, −1 backward (the value is then that of −x^(k)), 0 whichever is larger.
+    used : float
+        Peak of the fit, not negative.
+    least, most : float
+        Between these the true peak lies with probability 0.95: largest lower, and largest upper
+        end of the error bars. Infinite where the derivative cannot be measured.
+    time : float
+        When the peak of the fit is reached.
+    limit : float
+        Bound in this direction; infinite where there is none.
+    tolerance : float
+        Excess over the limit that still keeps it, relative.
+    """
+
+    derivative: int
+    direction: int
+    used: float
+    least: float
+    most: float
+    time: float
+    limit: float
+    tolerance: float
+
+    @property
+    def name(self) -> str:
+        """Name of the derivative, with its sign if it has only one."""
+        return derivative_name(self.derivative) + ("", " +", " −")[self.direction]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether all, none or some of the error bar keeps the limit."""
+        allowed = self.limit * (1.0 + self.tolerance)
+        if allowed == inf:
+            return "no limit"
+        if self.most <= allowed:
+            return "kept"
+        return "broken" if self.least > allowed else "cannot tell"
+
+
+@dataclass(frozen=True, eq=False)
+class Conformance:
+    """What a log says of the limits.
+
+    Attributes
+    ----------
+    peaks : tuple of Peak
+        One per derivative where the limit is the same in both directions, else two.
+    bands : tuple of Band
+        Velocity, acceleration and jerk over time, with error bars.
+    limits : Limits
+    readings : int
+        Length of the log.
+    left_out : int
+        Readings in parts too short to check, or at rest without a known resolution.
+    resolution : float
+        Of the encoder, given or found in the log; zero where unknown.
+    noise : float
+        Standard deviation of a reading, in the noisiest part of the log.
+    longest_gap : float
+        Longest time from one reading to the next.
+    resolved_time : float
+        Shortest pulse of velocity, acceleration or jerk that the fit shows to 90 %: a shorter
+        excess may not be seen.
+    """
+
+    peaks: tuple[Peak, ...]
+    bands: tuple[Band, ...]
+    limits: Limits
+    readings: int
+    left_out: int
+    resolution: float
+    noise: float
+    longest_gap: float
+    resolved_time: float
+
+    @property
+    def kept(self) -> bool | None:
+        """True if every limit was kept, False if one was broken, None if one cannot tell."""
+        verdicts = {peak.verdict for peak in self.peaks}
+        if "broken" in verdicts:
+            return False
+        return None if "cannot tell" in verdicts else True
+
+    def band(self, derivative: int | str) -> Band:
+        """Return velocity, acceleration or jerk over time, given by number or name."""
+        k = derivative_number(derivative)
+        if not 1 <= k <= MEASURED:
+            raise ValueError(f"derivative {derivative!r}: expected velocity, acceleration or jerk")
+        return self.bands[k - 1]
+
+    def table(self) -> Table:
+        """Return the peaks, error bars and verdicts as a table for the terminal."""
+        from .text import conformance_table
+
+        return conformance_table(self)
+
+    def plot(self, *, unit: str = "", time_unit: str = "s") -> Figure:
+        """Return the picture: each derivative with its error bars and limits."""
+        from ..plots.conformance import plot_conformance
+
+        return plot_conformance(self, unit=unit, time_unit=time_unit)
+
+    def __str__(self) -> str:
+        from .text import conformance_text
+
+        return conformance_text(self)
+
+    def __repr__(self) -> str:
+        verdicts = ", ".join(f"{peak.name}: {peak.verdict}" for peak in self.peaks)
+        return f"Conformance(readings={self.readings}, {verdicts})"
+
+
+def conformance(
+    times: ArrayLike,
+    positions: ArrayLike,
+    limits: Limits,
+    *,
+    resolution: float | None = None,
+    tolerance: float = 0.0,
+) -> Conformance:
+    """Check a log of an encoder against limits: what was used, how surely, and what was kept.
+
+    A smoothing spline is fitted to the readings; its derivatives carry error bars that hold at
+    all times at once with probability 0.95 (each derivative by itself). A limit is kept where
+    the whole error bar of the peak is within it, broken where the whole of it is outside, and
+    otherwise the log cannot tell.
+
+    Parameters
+    ----------
+    times, positions : (N,) array
+        At least 16 readings, times strictly increasing; evenly spaced or not.
+    limits : Limits
+        In the units of the log. Snap and above cannot be taken from a log: a limit on them is
+        one that it cannot tell.
+    resolution : float, optional
+        Distance of two positions that the encoder tells apart: a reading's noise is then at
+        least resolution/√12. Left out, noise is known from the readings' scatter alone (from
+        their smallest step, where most readings repeat the one before).
+    tolerance : float, optional
+        Excess over a limit that still keeps it, relative; not negative. A motion planned to run
+        at its limit needs one: no error bar ends below the limit then.
+
+    Returns
+    -------
+    Conformance
+
+    Raises
+    ------
+    ValueError
+        For numbers that are not finite, times that do not increase (naming the row), too few
+        readings, or readings all the same without a resolution.
+
+    Notes
+    -----
+    "Broken" assumes nothing of the motion, only independent errors of readings that are about
+    evenly spaced: the lower end of the error bar comes from averages of the derivative, which
+    its peak can only exceed. The upper end cannot exclude an excess shorter than
+    `resolved_time`, whatever the method: "kept" means as far as can be seen. Pauses of a hundred
+    times the usual time between readings part the log: nothing is said of what happened
+    meanwhile, nor of parts of less than 16 readings. Vibration that the encoder sees is motion
+    and counts; so does a single wrong reading. Errors of the times count as noise: one of δ
+    makes velocity·δ.
+
+    On 864 simulated logs of moves of orders 2 to 4 (100 to 20,000 readings, white noise of up
+    to 1e-3 of the distance, resolutions of up to 1e-2 of it) all true peaks of velocity and
+    acceleration were within the error bars, and 98 % of those of jerk; the others were pulses
+    shorter than the resolved time. Error bars are widest at the ends of a log: let it begin
+    before the motion and end after it.
+
+    Examples
+    --------
+    >>> from jounce.shaping import Limits, min_time_move
+    >>> used = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
+    >>> times, states = min_time_move(1.5, used).sample(0.001)
+    >>> readings = 1e-5 * np.round(states[0] / 1e-5)
+    >>> allowed = Limits(velocity=1.1, acceleration=1.8, jerk=25.0)
+    >>> report = conformance(times, readings, allowed, resolution=1e-5)
+    >>> [peak.verdict for peak in report.peaks]
+    ['kept', 'broken', 'cannot tell']
+    """
+    if not isinstance(limits, Limits):
+        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(velocity=2.0)")
+    time, position = checked_log(times, positions)
+    given = found_resolution(position) if resolution is None else positive("resolution", resolution)
+    if not given and not np.ptp(position):
+        raise ValueError(
+            f"positions are all {float(position[0])!r}: at rest the readings do not show their "
+            "own noise; give resolution=…"
+        )
+    if finite("tolerance", tolerance) < 0.0:
+        raise ValueError(f"tolerance = {tolerance!r}: expected zero or more, such as 0.01 for 1 %")
+    pieces = [part for part in parts(time) if given or np.ptp(position[part])]
+    if not pieces:
+        raise ValueError(
+            f"pauses part the log into pieces of less than {FEWEST} readings, or without motion: "
+            "log what moves without pauses"
+        )
+    fits = [_fit(time[part], position[part], given) for part in pieces]
+    bands = tuple(joint_band(fits, k) for k in range(1, MEASURED + 1))
+    resolved_time = RESOLVED * max(fit.sharpness for fit in fits)
+    return Conformance(
+        peaks=tuple(_peaks(bands, limits, tolerance)),
+        bands=bands,
+        limits=limits,
+        readings=len(time),
+        left_out=len(time) - sum(part.stop - part.start for part in pieces),
+        resolution=given,
+        noise=max(fit.noise for fit in fits),
+        longest_gap=float(np.diff(time).max()),
+        resolved_time=min(resolved_time, float(np.ptp(time))),
+    )
+
+
+def _fit(times: FloatArray, positions: FloatArray, resolution: float) -> SplineFit:
+    middles, values, share = merged(times, positions)
+    return fit_spline(middles, values, resolution / sqrt(12.0 * share))
+
+
+def _peaks(bands: tuple[Band, ...], limits: Limits, tolerance: float) -> Iterator[Peak]:
+    """Yield the peaks of all that is measured, or limited."""
+    for k in range(1, max(MEASURED, limits.order) + 1):
+        lower, upper = limits.bounds(k)
+        if k > MEASURED and (lower, upper) == (-inf, inf):
+            continue
+        ways = {1: upper, -1: -lower} if upper != -lower else {0: upper}
+        for direction, limit in ways.items():
+            measured = _extent(bands[k - 1], direction) if k <= MEASURED else (nan, 0.0, inf, nan)
+            yield Peak(k, direction, *measured, limit, tolerance)
+
+
+def _extent(band: Band, direction: int) -> tuple[float, float, float, float]:
+    """Return peak, its least and its most, and its time."""
+    if not direction:
+        larger, other = sorted((_extent(band, 1), _extent(band, -1)), reverse=True)
+        return larger[0], max(larger[1], other[1]), max(larger[2], other[2]), larger[3]
+    values = direction * band.values
+    at = int(values.argmax())
+    ends = (values[at], (values - band.error).max(), (values + band.error).max())
+    used, least, most = (max(float(end), 0.0) for end in ends)
+    return used, least, most, float(band.times[at])
