@@ -28,6 +28,7 @@ format: $(VENV)/.installed-dev
 
 readme: $(VENV)/.installed-dev
 	$(BIN)/python docs/readme.py tree precision robustness picture
+	$(BIN)/python docs/gallery.py
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"

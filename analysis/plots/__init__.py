@@ -8,6 +8,17 @@ from .describing import (
     plot_periodic_response,
 )
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
+from .paper import (
+    FIGURES,
+    figure_1,
+    figure_2,
+    figure_3,
+    figure_4,
+    figure_6,
+    figure_7,
+    figure_8,
+    figure_10,
+)
 from .shapers import (
     plot_cascaded_lags,
     plot_frequency_responses,
@@ -18,6 +29,15 @@ from .shapers import (
 from .survey import plot_survey
 
 __all__ = [
+    "FIGURES",
+    "figure_1",
+    "figure_2",
+    "figure_3",
+    "figure_4",
+    "figure_6",
+    "figure_7",
+    "figure_8",
+    "figure_10",
     "plot_cascaded_lags",
     "plot_conformance",
     "plot_describing_function",

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...shaping.derivatives import derivative_name
+from .style import BLUE, RED, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from ..conformance import Conformance
     from ..conformance.bands import Band
 
-_BLUE, _RED = "#0b5394", "#b3261e"
 _ERROR_BAR = "error bar, 95 %"
 _PIECES = 1500  # of a curve: each shows its least and its greatest, finer than a printed line
 
@@ -37,7 +37,7 @@ def plot_conformance(result: Conformance, *, unit: str = "", time_unit: str = "s
     panels = figure.subplots(count, 1, sharex=True)
     for k, ax in enumerate(panels, start=1):
         plot_band(result, k, ax=ax)
-        ax.set_ylabel(derivative_name(k) + _unit_label(unit, time_unit, k))
+        ax.set_ylabel(derivative_name(k) + unit_label(unit, time_unit, k))
     panels[-1].set_xlabel(f"time [{time_unit}]")
     figure.align_ylabels(panels)
     handles = {
@@ -62,11 +62,11 @@ def plot_band(result: Conformance, derivative: int, *, ax: Axes) -> Axes:
     band = result.band(derivative)
     for part in _parts(band):
         time, value, low, high = _thinned(band, part)
-        ax.fill_between(time, low, high, color=_BLUE, alpha=0.25, linewidth=0.0, label=_ERROR_BAR)
-        ax.plot(time, value, color=_BLUE, linewidth=1.2, label="fit")
+        ax.fill_between(time, low, high, color=BLUE, alpha=0.25, linewidth=0.0, label=_ERROR_BAR)
+        ax.plot(time, value, color=BLUE, linewidth=1.2, label="fit")
     bounds = [side for side in result.limits.bounds(derivative) if isfinite(side)]
     for side in bounds:
-        ax.axhline(side, color=_RED, linestyle="--", linewidth=1.0, label="limit")
+        ax.axhline(side, color=RED, linestyle="--", linewidth=1.0, label="limit")
     ax.set_ylim(*_extent(band, bounds))
     ax.set_title(_title(result, derivative), loc="left", fontsize=10)
     ax.grid(alpha=0.3)
@@ -108,8 +108,3 @@ def _extent(band: Band, bounds: list[float]) -> tuple[float, float]:
     shown = np.concatenate([*ends, [band.values.min(), band.values.max()], bounds])
     room = 0.08 * float(np.ptp(shown)) or 1.0
     return float(shown.min()) - room, float(shown.max()) + room
-
-
-def _unit_label(unit: str, time_unit: str, k: int) -> str:
-    power = "" if k == 1 else str(k).translate(str.maketrans("123", "¹²³"))
-    return f"\n[{unit}/{time_unit}{power}]" if unit else ""

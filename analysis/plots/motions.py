@@ -11,15 +11,13 @@ from matplotlib.figure import Figure
 
 from ...shaping import FollowerResponse, Trajectory
 from ...shaping.derivatives import derivative_name
+from .style import BLUE, GREY, ORANGE, curve_times, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ...shaping.pieces import FloatArray
 
-_BLUE, _ORANGE, _GREY = "#0b5394", "#e07b00", "#666666"
 _STYLES = ("-", "--", "-.", ":")
-_CURVE_POINTS = 400  # per curve: smooth at any size of paper
 
 
 def plot_trajectory(
@@ -38,13 +36,13 @@ def plot_trajectory(
     rows = trajectory.order + 1
     figure = Figure(figsize=(8.0, 1.6 * rows + 0.6), layout="constrained")
     panels = figure.subplots(rows, 1, sharex=True)
-    time = _curve_times(trajectory)
+    time = curve_times(trajectory)
     for k, ax in enumerate(panels):
-        ax.plot(time, trajectory(time, k) / scale, color=_BLUE)
-        ax.set_ylabel(derivative_name(k) + _unit_label(unit, time_unit, k))
+        ax.plot(time, trajectory(time, k) / scale, color=BLUE)
+        ax.set_ylabel(derivative_name(k) + unit_label(unit, time_unit, k))
         ax.grid(alpha=0.3)
         for switch in trajectory.switch_times:
-            ax.axvline(switch, color=_GREY, linewidth=0.5, linestyle=":")
+            ax.axvline(switch, color=GREY, linewidth=0.5, linestyle=":")
     panels[-1].set_xlabel(f"time [{time_unit}]")
     figure.align_ylabels(panels)
     return figure
@@ -69,10 +67,10 @@ def plot_motions(
         For the labels.
     """
     for (name, motion), style in zip(motions.items(), cycle(_STYLES), strict=False):
-        time = _curve_times(motion)
+        time = curve_times(motion)
         ax.plot(time, motion(time, derivative), style, label=name)
     ax.set_xlabel(f"time [{time_unit}]")
-    ax.set_ylabel(derivative_name(derivative) + _unit_label(unit, time_unit, derivative))
+    ax.set_ylabel(derivative_name(derivative) + unit_label(unit, time_unit, derivative))
     ax.grid(alpha=0.3)
     return ax
 
@@ -82,10 +80,10 @@ def plot_following(
 ) -> Axes:
     """Draw the commands as steps, and the position that follows them, against time."""
     edges = np.concatenate([[0.0], response.time])
-    ax.stairs(response.commands, edges, color=_GREY, baseline=None, label="command")
-    ax.plot(response.time, response.states[0], color=_BLUE, label="position")
+    ax.stairs(response.commands, edges, color=GREY, baseline=None, label="command")
+    ax.plot(response.time, response.states[0], color=BLUE, label="position")
     ax.set_xlabel(f"time [{time_unit}]")
-    ax.set_ylabel("position" + _unit_label(unit, time_unit, 0))
+    ax.set_ylabel("position" + unit_label(unit, time_unit, 0))
     ax.grid(alpha=0.3)
     return ax
 
@@ -95,34 +93,11 @@ def plot_phase_plane(
 ) -> Axes:
     """Draw velocity against position, and where the command changed (Thompson, Figure 2c)."""
     position, velocity = response.states[:2]
-    ax.plot(position, velocity, color=_BLUE)
+    ax.plot(position, velocity, color=BLUE)
     changed = 1 + np.flatnonzero(np.diff(response.commands))
     before = changed - 1  # the state in which the new command was met
-    ax.plot(position[before], velocity[before], "o", color=_ORANGE, label="command changes")
-    ax.set_xlabel("position" + _unit_label(unit, time_unit, 0).replace("\n", " "))
-    ax.set_ylabel("velocity" + _unit_label(unit, time_unit, 1))
+    ax.plot(position[before], velocity[before], "o", color=ORANGE, label="command changes")
+    ax.set_xlabel("position" + unit_label(unit, time_unit, 0).replace("\n", " "))
+    ax.set_ylabel("velocity" + unit_label(unit, time_unit, 1))
     ax.grid(alpha=0.3)
     return ax
-
-
-def _curve_times(trajectory: Trajectory) -> FloatArray:
-    """Return times at which a trajectory is drawn: both sides of every jump."""
-    if not len(trajectory.states):
-        return trajectory.breaks
-    inside = [
-        np.linspace(
-            left, np.nextafter(right, left), max(_CURVE_POINTS // len(trajectory.states), 8)
-        )
-        for left, right in zip(trajectory.breaks[:-1], trajectory.breaks[1:], strict=True)
-    ]
-    return np.concatenate([*inside, trajectory.breaks[-1:]])
-
-
-def _unit_label(unit: str, time_unit: str, k: int) -> str:
-    if not unit:
-        return ""
-    return f"\n[{unit}]" if k == 0 else f"\n[{unit}/{time_unit}{_superscript(k)}]"
-
-
-def _superscript(k: int) -> str:
-    return "" if k == 1 else str(k).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -58,7 +58,7 @@ def plain(text: str) -> str:
 
 def finish(ax: Axes, title: str, xlabel: str, ylabel: str) -> Axes:
     """Give an Axes its title, labels and grid."""
-    ax.set_title(title, fontsize=11)
+    ax.set_title(plain(title), fontsize=11)
     ax.set_xlabel(xlabel)
     ax.set_ylabel(ylabel)
     ax.grid(alpha=0.3)

@@ -10,15 +10,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish, plain
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ...shaping.pieces import FloatArray
     from ..step import StepResponse
     from ..survey import MoveSurvey, Survey
-
-_BLUE, _ORANGE, _GREEN, _RED, _GREY = "#0b5394", "#e07b00", "#2e7d32", "#b3261e", "#666666"
-_CURVE_POINTS = 400  # per piece-wise or frequency curve: smooth at any size of paper
 
 
 def plot_survey(survey: Survey) -> Figure:
@@ -40,14 +39,14 @@ def plot_survey(survey: Survey) -> Figure:
     )
     for ax, (draw, subject) in zip(axes.flat, panels, strict=True):
         draw(*(subject if isinstance(subject, tuple) else (subject,)), ax=ax)
-    figure.suptitle(_plain(survey.scenario.title), fontsize=15, y=0.985)
+    figure.suptitle(plain(survey.scenario.title), fontsize=15, y=0.985)
     margins = survey.margins
     subtitle = (
         f"crossover {margins.crossover_hz:.4g} Hz,  phase margin {margins.phase_margin_deg:.4g}°,  "
         f"gain may fall by {_decibels(margins.lower_gain_margin_db)} "
         f"and rise by {_decibels(margins.upper_gain_margin_db)}"
     )
-    figure.text(0.5, 0.945, subtitle, ha="center", fontsize=11, color=_GREY)
+    figure.text(0.5, 0.945, subtitle, ha="center", fontsize=11, color=GREY)
     return figure
 
 
@@ -55,22 +54,22 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
     """Draw |L| against frequency, with crossover and gain margins marked."""
     frequency, loop = _loop_curve(survey)
     margins = survey.margins
-    ax.semilogx(frequency, _db(loop), color=_BLUE)
-    ax.axhline(0.0, color=_GREY, linewidth=0.8)
-    ax.plot(margins.crossover_hz, 0.0, "o", color=_ORANGE)
+    ax.semilogx(frequency, _db(loop), color=BLUE)
+    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    ax.plot(margins.crossover_hz, 0.0, "o", color=ORANGE)
     ax.annotate(
         f"crossover {margins.crossover_hz:.4g} Hz",
         (margins.crossover_hz, 0.0),
         xytext=(8, 6),
         textcoords="offset points",
-        color=_ORANGE,
+        color=ORANGE,
     )
     for level, at, name in (
         (margins.lower_gain_margin_db, margins.lower_gain_margin_hz, "lower"),
         (-margins.upper_gain_margin_db, margins.upper_gain_margin_hz, "upper"),
     ):
         if isfinite(level):
-            ax.plot([at, at], [0.0, level], "-o", color=_RED, markersize=4)
+            ax.plot([at, at], [0.0, level], "-o", color=RED, markersize=4)
             ax.annotate(
                 f"{name} gain margin\n{abs(level):.4g} dB",
                 (at, min(level, 0.0)),
@@ -78,46 +77,46 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
                 textcoords="offset points",
                 ha="right",
                 va="top",
-                color=_RED,
+                color=RED,
             )
-    return _finish(ax, "Open loop: gain", "frequency [Hz]", "|L| [dB]")
+    return finish(ax, "Open loop: gain", "frequency [Hz]", "|L| [dB]")
 
 
 def plot_loop_phase(survey: Survey, *, ax: Axes) -> Axes:
     """Draw the phase of L against frequency, with the phase margin marked."""
     frequency, loop = _loop_curve(survey)
     margins = survey.margins
-    ax.semilogx(frequency, _phase_deg(loop), color=_BLUE)
-    ax.axhline(-180.0, color=_GREY, linewidth=0.8)
+    ax.semilogx(frequency, _phase_deg(loop), color=BLUE)
+    ax.axhline(-180.0, color=GREY, linewidth=0.8)
     if isfinite(margins.crossover_hz):
         at = margins.crossover_hz
         phase = float(np.interp(np.log(at), np.log(frequency), _phase_deg(loop)))
-        ax.plot([at, at], [-180.0, phase], "-o", color=_ORANGE, markersize=4)
+        ax.plot([at, at], [-180.0, phase], "-o", color=ORANGE, markersize=4)
         ax.annotate(
             f"phase margin\n{margins.phase_margin_deg:.4g}°",
             (at, 0.5 * (phase - 180.0)),
             xytext=(8, -10),
             textcoords="offset points",
-            color=_ORANGE,
+            color=ORANGE,
         )
-    return _finish(ax, "Open loop: phase", "frequency [Hz]", "phase of L [deg]")
+    return finish(ax, "Open loop: phase", "frequency [Hz]", "phase of L [deg]")
 
 
 def plot_nichols(survey: Survey, *, ax: Axes) -> Axes:
     """Draw gain against phase of L, with the critical point and the circle |S| = peak."""
     _, loop = _loop_curve(survey)
-    ax.plot(_phase_deg(loop), _db(loop), color=_BLUE, label="L")
-    ax.plot(-180.0, 0.0, "+", color=_RED, markersize=12, markeredgewidth=2, label="critical point")
+    ax.plot(_phase_deg(loop), _db(loop), color=BLUE, label="L")
+    ax.plot(-180.0, 0.0, "+", color=RED, markersize=12, markeredgewidth=2, label="critical point")
     modulus = survey.margins.modulus_margin
     if modulus < 1.0:
-        circle = -1.0 + modulus * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, _CURVE_POINTS))
+        circle = -1.0 + modulus * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, CURVE_POINTS))
         phase = np.degrees(np.angle(-circle)) - 180.0
         label = f"|1 + L| = {modulus:.3f}"
-        ax.plot(phase, _db(circle), "--", color=_RED, linewidth=1.0, label=label)
+        ax.plot(phase, _db(circle), "--", color=RED, linewidth=1.0, label=label)
     ax.set_ylim(-40.0, 40.0)
     ax.xaxis.set_major_locator(MultipleLocator(45.0))
     ax.legend(loc="lower left")
-    return _finish(ax, "Nichols", "phase of L [deg]", "|L| [dB]")
+    return finish(ax, "Nichols", "phase of L [deg]", "|L| [dB]")
 
 
 def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
@@ -127,12 +126,12 @@ def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
     for values, color, name, peak, at in (
         (
             loop / (1.0 + loop),
-            _BLUE,
+            BLUE,
             "T",
             margins.complementary_peak,
             margins.complementary_peak_hz,
         ),
-        (1.0 / (1.0 + loop), _GREEN, "S", margins.sensitivity_peak, margins.sensitivity_peak_hz),
+        (1.0 / (1.0 + loop), GREEN, "S", margins.sensitivity_peak, margins.sensitivity_peak_hz),
     ):
         label = f"|{name}|, peak {20.0 * np.log10(peak):.2f} dB"
         ax.semilogx(frequency, _db(values), color=color, label=label)
@@ -140,30 +139,30 @@ def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
             ax.plot(at, 20.0 * np.log10(peak), "o", color=color, markersize=4)
     if isfinite(margins.bandwidth_hz):
         label = f"bandwidth {margins.bandwidth_hz:.4g} Hz"
-        ax.axvline(margins.bandwidth_hz, color=_GREY, linestyle=":", label=label)
+        ax.axvline(margins.bandwidth_hz, color=GREY, linestyle=":", label=label)
     ax.set_ylim(-60.0, 15.0)
     ax.legend(loc="lower left", bbox_to_anchor=(0.3, 0.0))
-    return _finish(ax, "Closed loop T and sensitivity S", "frequency [Hz]", "magnitude [dB]")
+    return finish(ax, "Closed loop T and sensitivity S", "frequency [Hz]", "magnitude [dB]")
 
 
 def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
     """Draw the unit step response with its overshoot and settling time."""
     shown = step.time <= 1.6 * step.settling_time_s + step.peak_time_s
-    ax.plot(step.time[shown], step.position[shown], color=_BLUE)
-    ax.axhline(1.0, color=_GREY, linewidth=0.8)
-    ax.axhspan(0.98, 1.02, color=_GREY, alpha=0.2, label="±2 %")
-    ax.plot(step.peak_time_s, 1.0 + step.overshoot_percent / 100.0, "o", color=_ORANGE)
+    ax.plot(step.time[shown], step.position[shown], color=BLUE)
+    ax.axhline(1.0, color=GREY, linewidth=0.8)
+    ax.axhspan(0.98, 1.02, color=GREY, alpha=0.2, label="±2 %")
+    ax.plot(step.peak_time_s, 1.0 + step.overshoot_percent / 100.0, "o", color=ORANGE)
     ax.annotate(
         f"overshoot {step.overshoot_percent:.2f} %",
         (step.peak_time_s, 1.0 + step.overshoot_percent / 100.0),
         xytext=(10, -3),
         textcoords="offset points",
-        color=_ORANGE,
+        color=ORANGE,
     )
     label = f"settled at {step.settling_time_s:.3g} s"
-    ax.axvline(step.settling_time_s, color=_GREY, linestyle=":", label=label)
+    ax.axvline(step.settling_time_s, color=GREY, linestyle=":", label=label)
     ax.legend(loc="lower right")
-    return _finish(ax, "Unit step without feedforward", "time [s]", "position / step")
+    return finish(ax, "Unit step without feedforward", "time [s]", "position / step")
 
 
 def plot_move(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
@@ -172,46 +171,46 @@ def plot_move(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     plain, aided = move.responses["without feedforward"], move.configured
     time = aided.response.time
     shown = _until_settled(move, time)
-    ax.plot(time[shown], move.trajectory(time[shown]) / scale, color=_GREY, label="shaped command")
+    ax.plot(time[shown], move.trajectory(time[shown]) / scale, color=GREY, label="shaped command")
     if survey.jerk_filter is not None:
         ax.plot(
-            time[shown], aided.response.command[shown] / scale, color=_GREEN, label="jerk filter"
+            time[shown], aided.response.command[shown] / scale, color=GREEN, label="jerk filter"
         )
     ax.plot(
         time[shown],
         plain.response.position[shown] / scale,
-        color=_ORANGE,
+        color=ORANGE,
         label="loop without feedforward",
     )
     ax.plot(
         time[shown],
         aided.response.position[shown] / scale,
         "--",
-        color=_BLUE,
+        color=BLUE,
         linewidth=2.0,
         label="loop with feedforward",
     )
     ax.legend(loc="lower right")
-    return _finish(ax, f"Move: {move.name}", "time [s]", f"position [{unit}]")
+    return finish(ax, f"Move: {move.name}", "time [s]", f"position [{unit}]")
 
 
 def plot_torque(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     """Draw the torque of one move with and without feedforward."""
     unit = "N m" if survey.scenario.motion == "angle" else "N"
-    for name, color in (("without feedforward", _ORANGE), ("with feedforward", _BLUE)):
+    for name, color in (("without feedforward", ORANGE), ("with feedforward", BLUE)):
         response = move.responses[name].response
         shown = _until_settled(move, response.time)
         ax.plot(response.time[shown], response.torque[shown], color=color, label=name)
     ax.ticklabel_format(axis="y", scilimits=(-2, 4))
     ax.legend(loc="upper right")
     kind = "Torque" if unit == "N m" else "Force"
-    return _finish(ax, f"{kind}: {move.name}", "time [s]", f"{kind.lower()} [{unit}]")
+    return finish(ax, f"{kind}: {move.name}", "time [s]", f"{kind.lower()} [{unit}]")
 
 
 def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     """Draw the tracking error of one move with and without feedforward."""
     scale, unit = survey.scenario.position_scale, survey.scenario.position_unit
-    for name, color in (("without feedforward", _ORANGE), ("with feedforward", _BLUE)):
+    for name, color in (("without feedforward", ORANGE), ("with feedforward", BLUE)):
         result = move.responses[name]
         shown = _until_settled(move, result.response.time)
         peak = result.peak_error if result.peak_error > 1e-9 * move.move.settle_to else 0.0
@@ -224,14 +223,14 @@ def plot_tracking_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
         )
     _make_room(ax, below=0.4)
     ax.legend(loc="lower right")
-    return _finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
+    return finish(ax, f"Tracking error: {move.name}", "time [s]", f"command − position [{unit}]")
 
 
 def plot_wrong_inertia(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     """Draw what a wrong Ĵ costs: the tracking error of one move."""
     scale, unit = survey.scenario.position_scale, survey.scenario.position_unit
     varied = [result for name, result in move.responses.items() if name.startswith("Ĵ")]
-    for result, color in zip(varied, (_RED, _GREEN), strict=True):
+    for result, color in zip(varied, (RED, GREEN), strict=True):
         shown = _until_settled(move, result.response.time)
         label = f"{result.name}, settles at {result.settling_time_s:.3g} s"
         ax.plot(
@@ -241,13 +240,13 @@ def plot_wrong_inertia(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
             label=label,
         )
     for side in (-1.0, 1.0):
-        ax.axhline(side * move.move.settle_to / scale, color=_GREY, linestyle=":", linewidth=1.0)
+        ax.axhline(side * move.move.settle_to / scale, color=GREY, linestyle=":", linewidth=1.0)
     _make_room(ax, above=0.55)
     ax.legend(
         loc="upper right", title=f"right Ĵ settles at {move.configured.settling_time_s:.3g} s"
     )
     title = f"Tracking error with a wrong Ĵ: {move.name}"
-    return _finish(ax, title, "time [s]", f"command − position [{unit}]")
+    return finish(ax, title, "time [s]", f"command − position [{unit}]")
 
 
 def _make_room(ax: Axes, *, above: float = 0.05, below: float = 0.05) -> None:
@@ -270,7 +269,7 @@ def _loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
     centre = margins.crossover_hz
     if not 0.0 < centre < inf:
         centre = float(np.abs(margins.closed_loop_poles).max()) / (2.0 * np.pi)
-    frequency = centre * np.logspace(-2.0, 2.0, _CURVE_POINTS)
+    frequency = centre * np.logspace(-2.0, 2.0, CURVE_POINTS)
     return frequency, survey.loop.loop_transfer()(2j * np.pi * frequency)
 
 
@@ -284,18 +283,5 @@ def _phase_deg(values: Any) -> FloatArray:
     return np.asarray(phase - 360.0 * np.ceil(phase[-1] / 360.0))
 
 
-def _plain(text: str) -> str:
-    """Return text as it is to matplotlib, which takes what stands between $ for mathematics."""
-    return text.replace("$", r"\$")
-
-
 def _decibels(value: float) -> str:
     return f"{value:.4g} dB" if isfinite(value) else "any amount"
-
-
-def _finish(ax: Axes, title: str, xlabel: str, ylabel: str) -> Axes:
-    ax.set_title(_plain(title), fontsize=11)
-    ax.set_xlabel(xlabel)
-    ax.set_ylabel(ylabel)
-    ax.grid(alpha=0.3)
-    return ax
