@@ -1,0 +1,111 @@
+"""FMI 2.0 co-simulation: instantiation with its callbacks, initialisation, step."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Callable
+from ctypes import c_char_p, c_double, c_int, c_size_t, c_void_p
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .description import FmuDescription, FmuError
+from .instance import Functions, Instance
+from .library import WARNING, Log
+
+DTYPES: dict[str, Any] = {
+    "Real": np.float64,
+    "Integer": np.int32,
+    "Enumeration": np.int32,
+    "Boolean": np.int32,
+}
+"""What the binary takes for each type of variable."""
+
+_CO_SIMULATION = 1
+_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+_ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
+_FREE = ctypes.CFUNCTYPE(None, c_void_p)
+
+
+class _Callbacks(ctypes.Structure):
+    _fields_ = (
+        ("logger", _LOGGER),
+        ("allocateMemory", _ALLOCATE),
+        ("freeMemory", _FREE),
+        ("stepFinished", c_void_p),
+        ("componentEnvironment", c_void_p),
+    )
+
+
+def instantiate(
+    library: ctypes.CDLL, description: FmuDescription, resources: Path, log: Log
+) -> Instance:
+    """Return a new instance; FmuError, with what the FMU logged, where it refuses."""
+    call = Functions(library, "fmi2")
+    callbacks = _callbacks(log)
+    function = call(
+        "Instantiate",
+        *(c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int),
+        returns=c_void_p,
+    )
+    found = function(
+        description.model_name.encode(),
+        _CO_SIMULATION,
+        description.token.encode(),
+        resources.as_uri().encode(),
+        ctypes.addressof(callbacks),
+        0,
+        1,
+    )
+    if not found:
+        raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
+    handle = c_void_p(found)
+    return Instance(
+        call,
+        handle,
+        do_step=_stepper(call, handle, description.capabilities.can_get_and_set_state),
+        enter_initialization=_initializer(call, handle),
+        state_word="FMUstate",
+        sized=False,
+        kept=callbacks,
+    )
+
+
+def _stepper(call: Functions, handle: c_void_p, rolls_back: bool) -> Callable[[float, float], int]:
+    function = call("DoStep", c_void_p, c_double, c_double, c_int)
+    never_back = 0 if rolls_back else 1
+
+    def do_step(time: float, length: float) -> int:
+        status: int = function(handle, time, length, never_back)
+        return status
+
+    return do_step
+
+
+def _initializer(call: Functions, handle: c_void_p) -> Callable[[float, float | None], int]:
+    setup = call("SetupExperiment", c_void_p, c_int, c_double, c_double, c_int, c_double)
+    enter = call("EnterInitializationMode", c_void_p)
+
+    def enter_initialization(start_time: float, stop_time: float | None) -> int:
+        defined = int(stop_time is not None)
+        status: int = setup(handle, 0, 0.0, start_time, defined, stop_time or 0.0)
+        return status if status > WARNING else max(status, enter(handle))
+
+    return enter_initialization
+
+
+def _callbacks(log: Log) -> _Callbacks:
+    libc: Any = ctypes.cdll.msvcrt if sys.platform == "win32" else ctypes.CDLL(None)
+
+    def add(_: Any, __: Any, status: int, category: bytes, message: bytes) -> None:
+        log.add(status, category, message)
+
+    return _Callbacks(
+        _LOGGER(add),
+        ctypes.cast(libc.calloc, _ALLOCATE),
+        ctypes.cast(libc.free, _FREE),
+        None,
+        None,
+    )

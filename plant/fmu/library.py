@@ -1,0 +1,149 @@
+"""The library of an FMU: found, loaded, its log kept, everything undone at the end."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import shutil
+import sys
+from collections import deque
+from pathlib import Path
+
+from .description import FmuDescription, FmuError
+from .instance import Instance
+
+WARNING = 1
+"""The highest status with which a call has done what it was asked for."""
+FATAL = 4
+TERMINATED = 100
+"""Ours, not FMI's: the FMU asks for the end of the simulation."""
+
+STATUS = {
+    2: "discarded the call",
+    3: "reported an error",
+    FATAL: "reported a fatal error",
+    5: "has not finished (it steps asynchronously, which is not supported)",
+    TERMINATED: "asked for the end of the simulation",
+}
+
+_KEPT_MESSAGES = 20
+_MESSAGES_IN_ERROR = 5
+_FOLDERS_FMI2 = {
+    ("Linux", "x86_64"): ["linux64", "x86_64-linux"],
+    ("Linux", "aarch64"): ["aarch64-linux", "linux64"],
+    ("Windows", "x86_64"): ["win64", "x86_64-windows"],
+    ("Windows", "aarch64"): ["aarch64-windows"],
+    ("Linux", "x86"): ["linux32"],
+    ("Windows", "x86"): ["win32"],
+    ("Darwin", "x86_64"): ["darwin64", "x86_64-darwin"],
+    ("Darwin", "aarch64"): ["darwin64", "aarch64-darwin"],
+}
+_SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}
+_MACHINES = {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "ARM64": "aarch64"}
+
+
+class Log:
+    """The last messages of an FMU's logger."""
+
+    def __init__(self) -> None:
+        self._messages: deque[str] = deque(maxlen=_KEPT_MESSAGES)
+
+    def add(self, status: int, category: bytes | None, message: bytes | None) -> None:
+        """Keep a message as the logger callback receives it."""
+        texts = [(part or b"").decode(errors="replace").strip() for part in (category, message)]
+        if status > 0 or texts[0].lower().endswith(("error", "fatal", "warning")):
+            self._messages.append(texts[1])
+
+    def told(self) -> str:
+        """Return the end of an error message, and forget what was said."""
+        messages = list(self._messages)[-_MESSAGES_IN_ERROR:]
+        self._messages.clear()
+        return f": {'; '.join(messages)}" if messages else " (and logged nothing)"
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Warnings and errors not yet told."""
+        return tuple(self._messages)
+
+
+class Session:
+    """An unpacked FMU, its library and its instance; `close` undoes all three, in any state."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.library: ctypes.CDLL | None = None
+        self.instance: Instance | None = None
+        self.stepping = False
+        self.fatal = False
+        self.states: set[int] = set()
+
+    def free_state(self, pointer: int) -> None:
+        """Free a state of the instance, unless it has been freed already."""
+        if pointer in self.states:
+            self.states.discard(pointer)
+            if self.instance is not None and not self.fatal:
+                self.instance.free_state(pointer)
+
+    def close(self) -> None:
+        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+        try:
+            if self.instance is not None and not self.fatal:
+                for pointer in list(self.states):
+                    self.free_state(pointer)
+                if self.stepping:
+                    self.instance.terminate()
+                self.instance.free()
+        finally:
+            self.instance = None
+            self.states.clear()
+            if self.library is not None and not self.fatal:
+                _unload(self.library)
+            self.library = None
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def find_library(folder: Path, description: FmuDescription) -> Path:
+    """Return the library for this machine in an unpacked FMU; FmuError where it has none."""
+    name = description.model_identifier + _SUFFIX.get(platform.system(), ".so")
+    folders = _folders(description.fmi_version)
+    for candidate in folders:
+        path = folder / "binaries" / candidate / name
+        if path.is_file():
+            return path
+    remedy = "ask its maker for one"
+    if description.has_sources:
+        remedy = "compile its sources (with FMPy: fmpy compile FILE), or ask its maker for one"
+    has = f"only for {', '.join(description.platforms)}" if description.platforms else "none at all"
+    raise FmuError(
+        f"{description.model_name} has no binary for this machine ({folders[0]}), {has}: {remedy}"
+    )
+
+
+def load_library(path: Path) -> ctypes.CDLL:
+    """Return a library, loaded; its initialisers run."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise FmuError(
+            f"the library {path.name} cannot be loaded ({error}): it is damaged, for another "
+            "machine, or needs a library that is not installed"
+        ) from None
+
+
+def _folders(version: str) -> list[str]:
+    system = platform.system()
+    machine = _MACHINES.get(platform.machine(), platform.machine())
+    if sys.maxsize < 2**32:
+        machine = "x86"
+    if version.startswith("3"):
+        return [f"{machine}-{system.lower()}"]
+    return _FOLDERS_FMI2.get((system, machine), [f"{machine}-{system.lower()}"])
+
+
+def _unload(library: ctypes.CDLL) -> None:
+    import _ctypes
+
+    if sys.platform == "win32":
+        _ctypes.FreeLibrary(library._handle)
+    else:
+        _ctypes.dlclose(library._handle)

@@ -1,0 +1,19 @@
+"""Fixtures for tests that load FMUs."""
+
+import gc
+import tempfile
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def nothing_left(tmp_path, monkeypatch):
+    """See that no temporary folder outlives a test, and that the working directory stays."""
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    here = Path.cwd()
+    yield
+    gc.collect()
+    assert list((tmp_path / "temporary").iterdir()) == []
+    assert Path.cwd() == here
