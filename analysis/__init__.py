@@ -2,7 +2,7 @@
 
 from .conformance import Conformance, conformance, read_log
 from .gate import CheckError, GateReport, check_scenario
-from .margins import LoopMargins, loop_margins
+from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
 from .scenario import Scenario, ScenarioError, load_scenario
 from .shapers import (
     CascadedLags,
@@ -39,6 +39,7 @@ __all__ = [
     "FrequencyResponse",
     "GateReport",
     "LoopMargins",
+    "ManyMargins",
     "NullBySize",
     "PeriodicResponse",
     "Scenario",
@@ -56,6 +57,7 @@ __all__ = [
     "frequency_response",
     "load_scenario",
     "loop_margins",
+    "many_loop_margins",
     "null_by_size",
     "null_omegas",
     "null_rise_time",
@@ -65,6 +67,7 @@ __all__ = [
     "read_log",
     "residual_vibration",
     "rollover_db_per_decade",
+    "servo_margins",
     "survey",
     "vibration_map",
 ]

@@ -96,7 +96,15 @@ def benchmarks() -> str:
     sys.path.insert(0, str(ROOT / "benchmarks"))
     timing = importlib.import_module("timing")
     parts = [f"Measured {datetime.now(UTC):%Y-%m-%d} on {_machine()}; medians of one run."]
-    for name in ("evaluation", "design", "transfers", "following", "response", "startup"):
+    for name in (
+        "evaluation",
+        "design",
+        "transfers",
+        "following",
+        "response",
+        "margins",
+        "startup",
+    ):
         module = importlib.import_module(name)
         title = str(module.__doc__).splitlines()[0]
         parts.append(f"**{title}** (`benchmarks/{name}.py`)")

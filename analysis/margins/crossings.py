@@ -159,7 +159,7 @@ def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
             step = ((near @ weights + constant) / (near**2 @ weights)).real
             x = x + step
         # Newton's step stays large beside roots at infinity and poles at the origin.
-        x = np.sort(x[(x > 0) & (abs(step) <= 1e-3 * x)])
+        x = np.sort(x[(x > 0) & np.isfinite(x) & (abs(step) <= 1e-3 * x)])
     return x[np.diff(x, prepend=0.0) > 1e-9 * x]
 
 

@@ -20,9 +20,9 @@ from .factoring import factored
 from .result import LoopMargins
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import control
+
+_WIDE = 1e4
 
 
 def loop_margins(
@@ -136,18 +136,6 @@ def _checked_delay(system: Any, delay: float) -> float:
     return delay
 
 
-def _sensitivity(loop: Complex) -> Complex:
-    return np.asarray(1 / (1 + loop))
-
-
-def _complementary(loop: Complex) -> Complex:
-    return np.asarray(loop / (1 + loop))
-
-
-def _disk(loop: Complex) -> Complex:
-    return np.asarray((1 - loop) / (1 + loop))
-
-
 def _margins(
     loop: FactoredLoop, crossovers: list[float], phase_crossovers: list[float]
 ) -> dict[str, float]:
@@ -206,32 +194,41 @@ def _least(margins: Real, places: Real) -> tuple[float, float]:
 
 def _peaks(loop: FactoredLoop) -> list[tuple[float, float]]:
     """Return max |S|, max |T| and max |(1 − L)/(1 + L)| over all ω and where, in Hz."""
+    if not loop.gain:
+        return [(1.0, 0.0), (0.0, 0.0), (1.0, 0.0)]
+    bounds = (sectors.sensitivity, sectors.complementary, sectors.disk)
+    zeros = (loop.poles, loop.zeros, loop.opposite)
     if loop.delay:
-        bounds = (sectors.sensitivity, sectors.complementary, sectors.disk)
         found = [sectors.peak(loop, bound) for bound in bounds]
     else:
-        found = [
-            _peak(loop, _sensitivity, loop.poles),
-            _peak(loop, _complementary, loop.zeros),
-            _peak(loop, _disk, loop.opposite),
-        ]
+        found = [_peak(loop, *each) for each in zip(bounds, zeros, strict=True)]
+        if _is_wide(loop):
+            searched = [sectors.peak(loop, bound) for bound in bounds]
+            found = [max(each) for each in zip(found, searched, strict=True)]
     return [(value, loop.hertz(omega)) for value, omega in found]
 
 
-def _peak(
-    loop: FactoredLoop, shape: "Callable[[Complex], Complex]", zeros: Complex
-) -> tuple[float, float]:
+def _is_wide(loop: FactoredLoop) -> bool:
+    """Whether roots lie so far apart that rounding hides where a peak is."""
+    sizes = abs(np.concatenate([loop.zeros, loop.poles, loop.closed]))
+    sizes = sizes[sizes > 0]
+    return bool(sizes.size and sizes.max() > _WIDE * sizes.min())
+
+
+def _peak(loop: FactoredLoop, bound: sectors.Bound, zeros: Complex) -> tuple[float, float]:
     """Return max |F(L(jω))| over all ω and where; `zeros` are those of F(L(s))."""
     inner = stationary_points(zeros, loop.closed)
     places = np.concatenate([[LOWEST], inner, [HIGHEST]])
-    sizes = abs(shape(loop.values(places)))
+    sizes = sectors.sizes(loop, bound, places)
     # Of equal peaks the lowest in frequency, so that rounding does not choose.
     best = int(np.argmax(sizes >= sizes.max() * (1 - 1e-14)))
     return float(sizes[best]), float(places[best])
 
 
 def _bandwidth(loop: FactoredLoop) -> float:
-    at_dc = abs(_complementary(loop.values(np.array([LOWEST]))))[0]
+    if not loop.gain:
+        return math.nan
+    at_dc = float(sectors.sizes(loop, sectors.complementary, np.array([LOWEST]))[0])
     if at_dc < math.sqrt(LOWEST):
         return math.nan
     level = math.log(at_dc) - math.log(2) / 2

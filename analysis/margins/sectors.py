@@ -1,4 +1,4 @@
-"""Peaks of S, T and their like over all frequencies for a loop with delay, found by bounds.
+"""Peaks of S, T and their like over all frequencies, found by bounds.
 
 Between the places where gain and phase turn both are monotone, so that over any interval of
 frequency L stays within a sector of a ring, given by its values at the two ends. A bound of |S| or
@@ -16,11 +16,9 @@ from .factored_loop import HIGHEST, LOWEST, FactoredLoop, Real
 Bound = Callable[[Real, Real, Real], Real]
 """Largest value over sectors: least and largest ln |L|, least cos²(φ/2) of its phase φ."""
 
-_GRIP = 1e-8
 _ROUNDING = 1e-13
-_LARGEST = 300.0
-_ROUNDS = 200
-_NARROW = 1e-4
+_LARGEST = 300.0  # nepers: twice that exp would not give
+_NARROW, _CLOSE = 1e-4, 1e-9
 
 
 def sensitivity(low: Real, high: Real, square: Real) -> Real:
@@ -52,25 +50,36 @@ def peak(loop: FactoredLoop, bound: Bound) -> tuple[float, float]:
     Parameters
     ----------
     loop : FactoredLoop
-        Stable, with a delay.
+        Stable.
     bound : callable
         `sensitivity`, `complementary` or `disk`.
     """
     edges = _edges(loop)
     low, high = edges[:-1], edges[1:]
     best, place = _limit(loop, bound)
-    for _ in range(_ROUNDS):
+    narrow = [np.empty(0)]
+    while low.size:
         places = np.concatenate([low, high])
-        values = _at(loop, bound, places)
-        if values.max(initial=0.0) > best * (1.0 + _ROUNDING):
+        values = sizes(loop, bound, places)
+        if values.max() > best * (1.0 + _ROUNDING):
             best, place = float(values.max()), float(places[values.argmax()])
-        kept = (_over(loop, bound, low, high) > best * (1.0 + _GRIP)) & (high > low * (1 + 1e-14))
-        if not kept.any():
-            break
-        low, high = low[kept], high[kept]
+        reaching = _over(loop, bound, low, high) > best * (1.0 + _ROUNDING)
+        wide = high > low * (1.0 + _NARROW)
+        narrow.append(low[reaching & ~wide])
+        low, high = low[reaching & wide], high[reaching & wide]
         middle = np.sqrt(low) * np.sqrt(high)
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-    return _climbed(loop, bound, best, place)
+    for start in [*_apart(np.sort(np.concatenate(narrow))), place]:
+        found, at = climbed(loop, bound, start)
+        if found > best:
+            best, place = found, at
+    return best, place
+
+
+def _apart(places: Real) -> list[float]:
+    """Return the middle one of each run of neighbours."""
+    ends = np.flatnonzero(np.diff(places) > 3.0 * _NARROW * places[1:]) + 1
+    return [float(run[run.size // 2]) for run in np.split(places, ends) if run.size]
 
 
 def first_below(loop: FactoredLoop, level: float) -> float:
@@ -78,7 +87,7 @@ def first_below(loop: FactoredLoop, level: float) -> float:
     from scipy.optimize import brentq
 
     def excess(log: float) -> float:
-        return float(_at(loop, complementary, np.exp([log]))[0]) - level
+        return float(sizes(loop, complementary, np.exp([log]))[0]) - level
 
     edges = _edges(loop)
     waiting = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))[::-1]
@@ -96,22 +105,25 @@ def first_below(loop: FactoredLoop, level: float) -> float:
 
 
 def _edges(loop: FactoredLoop) -> Real:
-    end = last_frequency(loop)
+    end = last_frequency(loop) if loop.delay else HIGHEST
     points = np.concatenate([stationary_points(loop.zeros, loop.poles), phase_points(loop)])
     return np.unique(np.concatenate([[LOWEST], points[points < end], [end]]))
 
 
 def _limit(loop: FactoredLoop, bound: Bound) -> tuple[float, float]:
-    """Return the upper limit as ω → ∞, where the phase comes by −π again and again."""
-    gain = _log_gain(loop, np.array([HIGHEST]))
-    return float(bound(gain, gain, np.zeros(1))[0]), HIGHEST
+    """Return the upper limit as ω → ∞; with a delay the phase comes by −π again and again."""
+    end = np.array([HIGHEST])
+    gain = _log_gain(loop, end)
+    limit = bound(gain, gain, np.zeros(1)) if loop.delay else sizes(loop, bound, end)
+    return float(limit[0]), HIGHEST
 
 
 def _log_gain(loop: FactoredLoop, omega: Real) -> Real:
     return np.clip(loop.log_gain(omega), -_LARGEST, _LARGEST)
 
 
-def _at(loop: FactoredLoop, bound: Bound, omega: Real) -> Real:
+def sizes(loop: FactoredLoop, bound: Bound, omega: Real) -> Real:
+    """Return the value itself at frequencies."""
     gain = _log_gain(loop, omega)
     return bound(gain, gain, np.cos(0.5 * loop.phase(omega)) ** 2)
 
@@ -135,24 +147,24 @@ def _under(loop: FactoredLoop, low: Real, high: Real) -> Real:
     return np.asarray(complementary(gains, gains, square).min(axis=0))
 
 
-def _climbed(loop: FactoredLoop, bound: Bound, best: float, place: float) -> tuple[float, float]:
-    """Return the maximum beside a place that is within the grip of it."""
+def climbed(loop: FactoredLoop, bound: Bound, start: float) -> tuple[float, float]:
+    """Return the maximum beside a place, and where; nothing of the limits."""
     from scipy.optimize import minimize_scalar
 
-    if place in (LOWEST, HIGHEST):
-        return best, place
+    if start in (LOWEST, HIGHEST):
+        return 0.0, start
 
     def depth(log: float) -> float:
-        return -float(_at(loop, bound, np.exp([log]))[0])
+        return -float(sizes(loop, bound, np.exp([log]))[0])
 
-    sides = [np.log(place) + side * _descent(depth, np.log(place), side) for side in (-1.0, 1.0)]
+    sides = [np.log(start) + side * _descent(depth, np.log(start), side) for side in (-1.0, 1.0)]
     found = minimize_scalar(depth, bounds=sides, method="bounded", options={"xatol": 1e-13})
-    return (float(-found.fun), float(np.exp(found.x))) if -found.fun > best else (best, place)
+    return float(-found.fun), float(np.exp(found.x))
 
 
 def _descent(depth: Callable[[float], float], start: float, side: float) -> float:
-    """Return how far from a place near a maximum its value has fallen by more than the grip."""
-    reach, level = 1e-9, depth(start) * (1.0 - 2.0 * _GRIP)
-    while depth(start + side * reach) < level and reach < 1.0:
+    """Return how far from a place its value has begun to fall."""
+    reach = _CLOSE
+    while depth(start + side * reach) < depth(start) and reach < 1.0:
         reach *= 2.0
     return reach

@@ -1,12 +1,14 @@
 """Pictures of results: each function takes a result and an Axes, draws, returns the Axes."""
 
 from .conformance import plot_conformance
+from .cosimulation import plot_cosimulation
 from .describing import (
     plot_describing_function,
     plot_describing_gain,
     plot_describing_phase,
     plot_periodic_response,
 )
+from .margins import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
 from .paper import (
     FIGURES,
@@ -40,11 +42,13 @@ __all__ = [
     "figure_10",
     "plot_cascaded_lags",
     "plot_conformance",
+    "plot_cosimulation",
     "plot_describing_function",
     "plot_describing_gain",
     "plot_describing_phase",
     "plot_following",
     "plot_frequency_responses",
+    "plot_margin_contours",
     "plot_motions",
     "plot_null_by_size",
     "plot_periodic_response",
