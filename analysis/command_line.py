@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .fmu_commands import fmu_app
+
 if TYPE_CHECKING:
     from .gate import GateReport
     from .plan import Plan
@@ -25,6 +27,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.add_typer(fmu_app, name="fmu")
 
 
 class CheckFormat(StrEnum):

@@ -36,12 +36,17 @@ def tree() -> str:
     for folder in FOLDERS:
         lines.append((f"{folder}/", _about_folder(folder)))
         lines += _files(ROOT / folder, "  ")
-        if (ROOT / folder / "__init__.py").exists():
-            for inner in sorted(p.parent for p in (ROOT / folder).glob("*/__init__.py")):
-                lines.append((f"  {inner.name}/", _first_line(inner / "__init__.py")))
-                lines += _files(inner, "    ")
+        lines += _packages(ROOT / folder, "  ")
     width = max(len(name) for name, _ in lines) + 2
     return "\n".join(["```", *(f"{name:{width}s}{about}" for name, about in lines), "```"])
+
+
+def _packages(folder: Path, indent: str) -> list[tuple[str, str]]:
+    lines = []
+    for inner in sorted(path.parent for path in folder.glob("*/__init__.py")):
+        lines.append((f"{indent}{inner.name}/", _first_line(inner / "__init__.py")))
+        lines += _files(inner, indent + "  ") + _packages(inner, indent + "  ")
+    return lines
 
 
 def _files(folder: Path, indent: str) -> list[tuple[str, str]]:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from .style import BLUE, GREY, ORANGE, plain
 
 if TYPE_CHECKING:
-    from ...plant.fmu.cosimulation_result import CosimulationResult
+    from ...plant.fmu.cosimulation.cosimulation_result import CosimulationResult
 
 _MAX_PANELS = 40
 

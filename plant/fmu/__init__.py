@@ -4,35 +4,39 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .compile import CompilerError
-    from .cosimulate import cosimulate
-    from .cosimulation_result import CosimulationResult
-    from .description import FmuDescription, FmuError, FmuVariable
-    from .export import FmuExport, export_fmu
-    from .io_system import io_system
-    from .linearize import linearize_fmu
-    from .load import load_fmu
-    from .loop_blocks import SampledController
-    from .reading import inspect_fmu
-    from .stepping import Fmu, FmuState
+    from .cosimulation.cosimulate import cosimulate
+    from .cosimulation.cosimulation_result import CosimulationResult
+    from .exporting.compile import CompilerError
+    from .exporting.export import FmuExport, export_fmu
+    from .exporting.loop_blocks import SampledController
+    from .exporting.ssp import SspExport, export_ssp, export_ssp_of
+    from .importing.description import FmuDescription, FmuError, FmuVariable
+    from .importing.io_system import io_system
+    from .importing.linearize import linearize_fmu
+    from .importing.load import load_fmu
+    from .importing.reading import inspect_fmu
+    from .importing.stepping import Fmu, FmuState
 
 # Imported when they are first asked for.
 _LATER = {
-    "CompilerError": "compile",
-    "CosimulationResult": "cosimulation_result",
-    "Fmu": "stepping",
-    "FmuDescription": "description",
-    "FmuError": "description",
-    "FmuExport": "export",
-    "FmuState": "stepping",
-    "FmuVariable": "description",
-    "SampledController": "loop_blocks",
-    "cosimulate": "cosimulate",
-    "export_fmu": "export",
-    "inspect_fmu": "reading",
-    "io_system": "io_system",
-    "linearize_fmu": "linearize",
-    "load_fmu": "load",
+    "SspExport": "exporting.ssp",
+    "export_ssp": "exporting.ssp",
+    "export_ssp_of": "exporting.ssp",
+    "CompilerError": "exporting.compile",
+    "CosimulationResult": "cosimulation.cosimulation_result",
+    "Fmu": "importing.stepping",
+    "FmuDescription": "importing.description",
+    "FmuError": "importing.description",
+    "FmuExport": "exporting.export",
+    "FmuState": "importing.stepping",
+    "FmuVariable": "importing.description",
+    "SampledController": "exporting.loop_blocks",
+    "cosimulate": "cosimulation.cosimulate",
+    "export_fmu": "exporting.export",
+    "inspect_fmu": "importing.reading",
+    "io_system": "importing.io_system",
+    "linearize_fmu": "importing.linearize",
+    "load_fmu": "importing.load",
 }
 
 __all__ = [
@@ -45,8 +49,11 @@ __all__ = [
     "FmuState",
     "FmuVariable",
     "SampledController",
+    "SspExport",
     "cosimulate",
     "export_fmu",
+    "export_ssp",
+    "export_ssp_of",
     "inspect_fmu",
     "io_system",
     "linearize_fmu",

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from jounce.analysis.plots.cosimulation import plot_cosimulation
-from jounce.plant.fmu.cosimulate import cosimulate
+from jounce.plant.fmu.cosimulation.cosimulate import cosimulate
 
 LAG = control.tf([1], [1, 1], inputs="u", outputs="y")
 RUN = cosimulate({"a": LAG, "b": LAG}, [(1.0, "a.u"), ("a.y", "b.u")], dt=0.1, duration=2.0)

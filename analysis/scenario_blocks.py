@@ -1,0 +1,133 @@
+"""The blocks of a scenario that can leave as FMUs: shaper, filter, controller, plant, loop."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from ..plant import Inertia, InertiaFeedforward, ServoLoop
+from ..plant.fmu import FmuExport, SampledController, export_fmu
+from ..shaping import CommandFollower, JerkFilter, Limits, Trajectory, min_time_move
+from .scenario import Move, Scenario
+from .survey import _controller
+
+if TYPE_CHECKING:
+    from ..plant.fmu.exporting.ssp import SspExport
+
+BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "loop"]
+
+BLOCKS: tuple[str, ...] = get_args(BlockName)
+"""Names of the blocks; "loop" is all but the follower together."""
+
+OF_A_MOVE = ("trajectory", "follower", "loop")
+"""Blocks that need a move of the scenario."""
+
+
+def export_block(
+    scenario: Scenario,
+    block: BlockName,
+    path: Path,
+    *,
+    dt: float,
+    move: str | None = None,
+    fmi_version: str = "2.0",
+    platforms: list[str] | None = None,
+) -> FmuExport | SspExport:
+    """Write a block of a scenario as an FMU, or its whole loop as an SSP, in rad or m and s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    block : "trajectory", "follower", "filter", "controller", "plant" or "loop"
+    path : Path
+        Of the file; its folder must exist. An existing file is replaced.
+    dt : float
+        Sample time of what is sampled: controller, follower.
+    move : str, optional
+        Name of the move for a trajectory, follower or loop. Default: the only one there is.
+    fmi_version : "2.0" or "3.0", optional
+    platforms : list of str, optional
+        As in `export_fmu`.
+
+    Returns
+    -------
+    FmuExport or SspExport
+
+    Raises
+    ------
+    ValueError
+        For a move, or a part, that the scenario does not have; as `export_fmu` does.
+    """
+    unit = "rad" if scenario.motion == "angle" else "m"
+    if block == "loop":
+        from ..plant.fmu.exporting.ssp import export_ssp
+
+        return export_ssp(
+            path,
+            trajectory_of(scenario, move),
+            servo_loop_of(scenario),
+            dt=dt,
+            jerk_filter=jerk_filter_of(scenario),
+            fmi_version=fmi_version,
+            platforms=platforms,
+            unit=unit,
+        )
+    source = _source(scenario, block, dt, move)
+    return export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
+
+
+def _source(scenario: Scenario, block: BlockName, dt: float, move: str | None) -> Any:
+    if block == "trajectory":
+        return trajectory_of(scenario, move)
+    if block == "follower":
+        chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
+        try:
+            return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
+        except ValueError as error:
+            raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
+    if block == "filter":
+        found = jerk_filter_of(scenario)
+        if found is None:
+            raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
+        return found
+    loop = servo_loop_of(scenario)
+    if block == "plant":
+        return loop.plant
+    return SampledController(loop.controller, dt, loop.feedforward)
+
+
+def find_move(scenario: Scenario, name: str | None) -> Move:
+    """Return the move of this name, or the only one; ValueError that lists them otherwise."""
+    names = [move.name for move in scenario.moves]
+    if name is None and len(names) == 1:
+        return scenario.moves[0]
+    if name not in names:
+        problem = "has several moves" if name is None else f"has no move {name!r}"
+        listed = ", ".join(map(repr, names))
+        raise ValueError(f"{scenario.path}: {problem}; give --move one of {listed}")
+    return scenario.moves[names.index(name)]
+
+
+def trajectory_of(scenario: Scenario, move: str | None) -> Trajectory:
+    """Return the trajectory of a move, in rad or m."""
+    chosen = find_move(scenario, move)
+    try:
+        return min_time_move(chosen.distance, Limits.from_bounds(chosen.bounds))
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
+
+
+def jerk_filter_of(scenario: Scenario) -> JerkFilter | None:
+    """Return the filter behind the shaper, if there is one."""
+    behind = scenario.filter
+    return None if behind is None else JerkFilter(behind.corner_hz, behind.order)
+
+
+def servo_loop_of(scenario: Scenario) -> ServoLoop:
+    """Return the loop, its gains designed where the scenario asks for that."""
+    try:
+        controller = _controller(scenario)
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
+    feedforward = InertiaFeedforward(scenario.feedforward_inertia)
+    return ServoLoop(Inertia(scenario.inertia), controller, feedforward)

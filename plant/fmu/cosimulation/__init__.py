@@ -1,0 +1,1 @@
+"""FMUs and models run together."""

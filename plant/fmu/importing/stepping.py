@@ -1,0 +1,400 @@
+"""An FMU as a fast stepping object, and its snapshots."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, NoReturn, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....shaping.checks import positive
+from ....shaping.pieces import FloatArray
+from . import binding_fmi2, binding_fmi3
+from .description import FmuDescription, FmuError, FmuVariable
+from .instance import Instance
+from .library import FATAL, STATUS, WARNING, Log, Session
+from .ports import Port
+
+if TYPE_CHECKING:
+    import control
+
+_STEP_TOLERANCE = 1e-9
+
+
+class FmuState:
+    """A snapshot of an FMU, of `Fmu.get_state`; freed with the last reference to it."""
+
+    __slots__ = ("__weakref__", "_clock", "_inputs", "_pointer", "_session")
+
+    def __init__(
+        self, session: Session, pointer: int, clock: tuple[float, int, float], inputs: FloatArray
+    ) -> None:
+        self._session = session
+        self._pointer = pointer
+        self._clock = clock
+        self._inputs = inputs
+        session.states.add(pointer)
+
+    def __del__(self) -> None:
+        self._session.free_state(self._pointer)
+
+
+class Fmu:
+    """An instance of an FMU, stepped from communication point to communication point.
+
+    Made by `load_fmu`. Not to be used from two threads at once.
+
+    Attributes
+    ----------
+    description : FmuDescription
+    input_names, output_names : tuple of str
+        What `step` takes and returns, in this order: the inputs and outputs that are numbers,
+        arrays spread out as name[1], name[2], …
+    dt : float or None
+        Communication step where `step` is given none.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        instance: Instance,
+        description: FmuDescription,
+        log: Log,
+        dt: float | None,
+        start_time: float,
+    ) -> None:
+        self.description = description
+        self.dt = dt
+        self._session = session
+        self._instance = instance
+        self._log = log
+        self._dtypes = binding_of(description).DTYPES
+        numeric = [v for v in description.variables if v.type in self._dtypes]
+        inputs = [v for v in numeric if v.causality == "input"]
+        outputs = [v for v in numeric if v.causality == "output"]
+        self._inputs = Port(inputs, self._dtypes, instance.setter, writes=True)
+        self._outputs = Port(outputs, self._dtypes, instance.getter, writes=False)
+        self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
+        self._start_inputs = np.concatenate([_start_values(v) for v in inputs] or [np.zeros(0)])
+        self._given: Mapping[str, Any] = {}
+        self._start_time = self._time = start_time
+        self._clock = (start_time, 0, 0.0)
+        self._bind()
+        self._finalizer = weakref.finalize(self, session.close)
+
+    def _bind(self) -> None:
+        """Keep at hand what every step needs."""
+        self._values, self._shape = self._inputs.values, self._inputs.shape
+        self._found = self._outputs.values
+        self._put, self._fetch = self._inputs.move, self._outputs.move
+        self._do_step = self._instance.do_step
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = f"at time {self._time:g}" if self._finalizer.alive else "closed"
+        return (
+            f"<Fmu {self.description.model_name}: {', '.join(self.input_names) or 'no inputs'} → "
+            f"{', '.join(self.output_names) or 'no outputs'}, {state}>"
+        )
+
+    @property
+    def time(self) -> float:
+        """Communication point at which the FMU stands."""
+        return self._time
+
+    @property
+    def outputs(self) -> FloatArray:
+        """Outputs at the present communication point, (number of outputs,)."""
+        self._check_open()
+        self._check(self._fetch(), "show its outputs")
+        return self._found.copy()
+
+    @property
+    def inputs(self) -> FloatArray:
+        """Inputs as they were last given, (number of inputs,)."""
+        return self._values.copy()
+
+    @property
+    def parameters(self) -> dict[str, object]:
+        """Present values of all the parameters, by name."""
+        chosen = self.description.of_causality("parameter", "structuralParameter")
+        known = (*self._dtypes, "String")
+        return {v.name: self.get(v.name) for v in chosen if v.type in known}
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Last warnings and errors that the FMU logged and no exception has told."""
+        return self._log.messages
+
+    def step(
+        self, inputs: Mapping[str, float] | ArrayLike | None = None, dt: float | None = None
+    ) -> FloatArray:
+        """Set inputs, go on by one communication step, and return the outputs at its end.
+
+        Parameters
+        ----------
+        inputs : (number of inputs,) array or mapping of str to float, optional
+            In the order of `input_names`, or by name; held over the step. What is not given
+            stays as it was.
+        dt : float, optional
+            Length of this step, if not `Fmu.dt`.
+
+        Returns
+        -------
+        (number of outputs,) array
+            In the order of `output_names`; a new one each time.
+
+        Raises
+        ------
+        FmuError
+            For unknown names or another number of values, a step of another length than the FMU
+            can take, or an error that the FMU reports, with what it logged.
+        """
+        if inputs is not None:
+            if type(inputs) is np.ndarray and inputs.shape == self._shape:
+                self._values[:] = inputs
+            else:
+                self._inputs.take(inputs)
+            status = self._put()
+            if status > WARNING:
+                self._fail(status, f"take the inputs {self._values.tolist()}")
+        length = self._length(dt)
+        base, count, last = self._clock
+        if length != last:
+            base, count = self._time, 0
+        status = self._do_step(self._time, length)
+        if status > WARNING:
+            self._fail(status, f"step from time {self._time!r} by {length!r}")
+        count += 1
+        self._clock = (base, count, length)
+        self._time = base + count * length
+        status = self._fetch()
+        if status > WARNING:
+            self._fail(status, "show its outputs")
+        return self._found.copy()
+
+    def reset(self, parameters: Mapping[str, Any] | None = None) -> None:
+        """Go back to the start time, with the start values and the parameters of `load_fmu`.
+
+        `parameters`, if given, take the place of those. What `set` has changed is undone.
+        """
+        self._check_open()
+        self._session.stepping = False
+        self._check(self._instance.reset(), "be reset")
+        self.initialize(self._given if parameters is None else parameters)
+
+    def get_state(self) -> FmuState:
+        """Return a snapshot of all that the FMU is, to go back to with `set_state`."""
+        self._check_open()
+        self.check_rollback("take snapshots")
+        status, pointer = self._instance.get_state()
+        self._check(status, "give its state")
+        return FmuState(self._session, pointer, self._clock, self._values.copy())
+
+    def set_state(self, state: FmuState) -> None:
+        """Go back, or forward, to a snapshot of this instance: time, inputs and all."""
+        self._check_open()
+        if state._session is not self._session:
+            raise FmuError("a state of another FMU: expected one of this instance's get_state")
+        self._check(self._instance.set_state(state._pointer), "go back to a state")
+        base, count, length = self._clock = state._clock
+        self._time = base + count * length
+        self._values[:] = state._inputs
+
+    def check_rollback(self, purpose: str) -> None:
+        """Refuse `purpose` where the FMU cannot get and set its state."""
+        if not self.description.capabilities.can_get_and_set_state:
+            raise FmuError(
+                f"{self.description.model_name} cannot {purpose}: it declares no "
+                "canGetAndSetFMUState; use a plain loop of `step`, or `cosimulate`, or export it "
+                "with this capability"
+            )
+
+    def get(self, name: str) -> object:
+        """Return the present value of any variable, by name."""
+        self._check_open()
+        variable = self.description.variable(name)
+        if variable.type == "String" and not variable.shape:
+            status, text = self._instance.get_text(variable.value_reference)
+            self._check(status, f"show {name!r}")
+            return text
+        port = self._port(variable, self._instance.getter, writes=False)
+        self._check(port.move(), f"show {name!r}")
+        values = port.values.tolist()
+        return port.values if variable.shape else _as_declared(variable, values[0])
+
+    def set(self, name: str, value: object) -> None:
+        """Set a tunable parameter, by name, from the next step on.
+
+        Fixed parameters are given to `load_fmu` or `reset`.
+        """
+        self._check_open()
+        variable = self.description.variable(name)
+        if variable.causality == "input":
+            raise FmuError(f"{name!r} is an input: give it to `step`")
+        if variable.variability != "tunable":
+            tunable = [v.name for v in self.description.variables if v.variability == "tunable"]
+            raise FmuError(
+                f"{name!r} is not a tunable parameter ({variable.causality}, "
+                f"{variable.variability}): give it to load_fmu or reset"
+                + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
+            )
+        self._set(variable, value)
+
+    def system(self, dt: float | None = None, *, snapshots: int = 64) -> control.NonlinearIOSystem:
+        """Return a discrete python-control system; see `io_system`."""
+        from .io_system import io_system
+
+        return io_system(self, dt, snapshots=snapshots)
+
+    def close(self) -> None:
+        """Free the instance, unload its library, remove the temporary folder."""
+        self._finalizer()
+        self._put = self._fetch = self._closed
+        self._do_step = self._closed
+
+    def directional(self, unknowns: list[FmuVariable], knowns: list[FmuVariable]) -> FloatArray:
+        """Return ∂unknown/∂known at the present point, (number of unknowns, of knowns)."""
+        self._check_open()
+        columns = []
+        for i in range(len(knowns)):
+            seed = np.zeros(len(knowns))
+            seed[i] = 1.0
+            status, column = self._instance.directional(
+                [v.value_reference for v in unknowns], [v.value_reference for v in knowns], seed
+            )
+            self._check(status, "give directional derivatives")
+            columns.append(column)
+        return np.array(columns).T.reshape(len(unknowns), len(knowns))
+
+    def initialize(self, parameters: Mapping[str, Any]) -> None:
+        """Go through the initialisation; `load_fmu` and `reset` do."""
+        self._given = dict(parameters)
+        self._values[:] = self._start_inputs
+        for name, value in self._given.items():
+            variable = self.description.variable(name)
+            _check_settable(variable)
+            self._set(variable, value)
+            if name in self.input_names:
+                self._values[self._inputs.position(name)] = _number(name, value)
+        start = self._start_time
+        # no stop time: an FMU may refuse to step beyond the one it is given
+        self._check(self._instance.enter_initialization(start, None), "be initialised")
+        self._check(self._instance.exit_initialization(), "be initialised")
+        self._session.stepping = True
+        self._time, self._clock = start, (start, 0, 0.0)
+
+    def _set(self, variable: FmuVariable, value: Any) -> None:
+        if variable.type == "String" and not variable.shape:
+            if not isinstance(value, str):
+                raise TypeError(f"{variable.name} = {value!r}: expected a string")
+            self._check(
+                self._instance.set_text(variable.value_reference, value),
+                f"take {variable.name} = {value!r}",
+            )
+            return
+        port = self._port(variable, self._instance.setter, writes=True)
+        if variable.shape:
+            port.take(np.ravel(value))
+        else:
+            port.values[0] = _number(variable.name, value)
+        self._check(port.move(), f"take {variable.name} = {value!r}")
+
+    def _port(self, variable: FmuVariable, mover: Any, *, writes: bool) -> Port:
+        if variable.type not in self._dtypes:
+            raise FmuError(f"{variable.name!r} is of type {variable.type}: expected a number")
+        return Port([variable], self._dtypes, mover, writes=writes)
+
+    def _length(self, dt: float | None) -> float:
+        if dt is None:
+            if self.dt is None:
+                raise FmuError(
+                    f"{self.description.model_name} suggests no step size: give load_fmu a dt"
+                )
+            return self.dt
+        length = positive("dt", dt)
+        last = self._clock[2] or length
+        fixed = not self.description.capabilities.can_handle_variable_step
+        if fixed and abs(length - last) > _STEP_TOLERANCE * last:
+            raise FmuError(
+                f"dt = {dt!r}: {self.description.model_name} takes steps of one length only, here "
+                f"{last!r}; reset it to begin with another"
+            )
+        return length
+
+    def _check_open(self) -> None:
+        if not self._finalizer.alive:
+            self._closed()
+
+    def _closed(self, *_: object) -> NoReturn:
+        raise FmuError(f"{self.description.model_name} is closed: load it again")
+
+    def _check(self, status: int, what: str) -> None:
+        if status > WARNING:
+            self._fail(status, what)
+
+    def _fail(self, status: int, what: str) -> NoReturn:
+        """Raise what the FMU reported; after a fatal error it must not be called any more."""
+        if status == FATAL:
+            self._session.fatal = True
+            self.close()
+        self._session.stepping = False
+        raise FmuError(
+            f"{self.description.model_name} could not {what}: it "
+            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}"
+        )
+
+
+def binding_of(description: FmuDescription) -> Any:
+    """Return the module that speaks the FMU's version of FMI."""
+    return binding_fmi2 if description.fmi_version.startswith("2") else binding_fmi3
+
+
+def _check_settable(variable: FmuVariable) -> None:
+    if variable.causality == "structuralParameter":
+        raise FmuError(
+            f"{variable.name!r} is a structural parameter, the size of an array: sizes cannot be "
+            "changed here; export the FMU with the size that is needed"
+        )
+    settable = (
+        variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
+    ) and variable.variability != "constant"
+    if not settable:
+        raise FmuError(
+            f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
+            "expected a parameter, a start value or an input"
+        )
+
+
+def _number(name: str, value: Any) -> float:
+    """Return a number, which may be infinite, as limits are."""
+    if isinstance(value, str) or not np.isscalar(value):
+        raise TypeError(f"{name} = {value!r}: expected a number")
+    number = float(value)  # type: ignore[arg-type]
+    if np.isnan(number):
+        raise FmuError(f"{name} = {value!r}: expected a number")
+    return number
+
+
+def _start_values(variable: FmuVariable) -> FloatArray:
+    start: Any = 0.0 if variable.start is None else variable.start
+    return np.broadcast_to(np.asarray(start, dtype=float), (variable.size,))
+
+
+def _as_declared(variable: FmuVariable, value: float) -> object:
+    if variable.type == "Boolean":
+        return bool(value)
+    return value if variable.type in ("Real", "Float32", "Float64") else int(value)
