@@ -64,23 +64,44 @@ def gain_crossings(loop: FactoredLoop) -> list[float]:
 def phase_crossings(loop: FactoredLoop) -> list[float]:
     """Return all ω where L(jω) is finite, nonzero, real and negative, the limits included.
 
-    With a delay, which turns the phase for ever, those up to `last_frequency` and the limit.
+    With a delay, which turns the phase for ever: the first and the last of them in each stretch
+    where gain and phase are monotone, between which |L| only has values between; and the limit.
     """
     axis, points = _on_axis(loop), phase_points(loop)
-    end = last_frequency(loop) if loop.delay else HIGHEST
-    phases = loop.phase(np.concatenate([[LOWEST], points, [end]])) / np.pi
+    found = _turned_crossings(loop, points) if loop.delay else _all_crossings(loop, points)
+    # On a zero or pole on the axis the phase jumps across −π; L is 0 or unbounded there.
+    roots = np.sort(found)
+    jumps = np.any(abs(roots[:, None] - axis) <= 2 * _BESIDE * axis, axis=1)
+    return list(roots[~jumps & (abs(loop.log_gain(roots)) < UNBOUNDED)].tolist())
+
+
+def _all_crossings(loop: FactoredLoop, points: Real) -> Real:
+    phases = loop.phase(np.concatenate([[LOWEST], points, [HIGHEST]])) / np.pi
     turns = np.arange(np.floor(phases.min()) - 1, np.ceil(phases.max()) + 2)
     levels = np.pi * turns[turns % 2 == 1]
     found = [
-        level_crossings(partial(_phase_above, loop, level), points, end)
-        for level in levels.tolist()
+        level_crossings(partial(_phase_above, loop, level), points) for level in levels.tolist()
     ]
-    if loop.delay:
-        found.append([HIGHEST])
-    # On a zero or pole on the axis the phase jumps across −π; L is 0 or unbounded there.
-    roots = np.sort(np.concatenate([np.empty(0), *found]))
-    jumps = np.any(abs(roots[:, None] - axis) <= 2 * _BESIDE * axis, axis=1)
-    return list(roots[~jumps & (abs(loop.log_gain(roots)) < UNBOUNDED)].tolist())
+    return np.concatenate([np.empty(0), *found])
+
+
+def _turned_crossings(loop: FactoredLoop, points: Real) -> Real:
+    end = last_frequency(loop)
+    turning = np.concatenate([points, stationary_points(loop.zeros, loop.poles)])
+    edges = np.unique(np.concatenate([[LOWEST], turning, gain_crossings(loop), [end]]))
+    edges = edges[edges <= end]
+    phases = loop.phase(edges)
+    turns = (phases / np.pi - 1.0) / 2.0  # whole where L is real and negative
+    found = [HIGHEST]
+    for i in range(edges.size - 1):
+        low, high = np.sort(turns[i : i + 2])
+        for whole in {np.ceil(low), np.floor(high)}:
+            if low <= whole <= high:
+                above = partial(_phase_above, loop, np.pi * (2.0 * whole + 1.0))
+                logs = np.log(edges[i : i + 2])
+                values = np.pi * 2.0 * (turns[i : i + 2] - whole)
+                found.append(_root_between(above, logs, values))
+    return np.array(found)
 
 
 def last_frequency(loop: FactoredLoop) -> float:

@@ -30,8 +30,8 @@ def factored(
     Raises
     ------
     ValueError
-        If a coefficient is not finite, 1 + L vanishes as ω → ∞ or z → ∞, or a discrete system
-        has more zeros than poles.
+        If a coefficient is not finite, 1 + L vanishes as ω → ∞ or z → ∞, or a discrete system,
+        or one with a delay, has more zeros than poles.
     """
     parts = _coefficients(system)
     if not all(np.isfinite(part).all() for part in parts):
@@ -49,6 +49,12 @@ def factored(
             f"1 + L(∞) = {1 + loop.gain:.3g}: the loop is ill-posed, its closed loop has no "
             "finite gain; L(∞) other than −1 is accepted: model the roll-off of the loop, or "
             "change its gain"
+        )
+    if delay and loop.zeros.size > loop.poles.size:
+        raise ValueError(
+            f"system has {loop.zeros.size} zeros and {loop.poles.size} poles: |L| grows without "
+            "bound as ω → ∞, so that behind a delay no closed loop is stable; model the roll-off "
+            "of the loop"
         )
     loop = _scaled(loop if dt is None else on_w_plane(loop, dt))
     return replace(loop, delay=delay * loop.scale)

@@ -39,8 +39,8 @@ def loop_margins(
     ----------
     system : control.StateSpace or control.TransferFunction
         Open-loop transfer, one input, one output: G(s) in rad/s, where an ideal (improper)
-        transfer function is accepted, or L(z) with its sampling time in seconds, such as
-        `ServoLoop.sampled_loop_transfer` gives.
+        transfer function is accepted without a delay, or L(z) with its sampling time in seconds,
+        such as `ServoLoop.sampled_loop_transfer` gives.
     delay : float, optional
         Pure delay in seconds behind a system in continuous time, taken as it is, without a Padé
         approximation. A discrete loop has its delay in L(z).
@@ -56,9 +56,9 @@ def loop_margins(
         If `system` is neither of the two types.
     ValueError
         If `system` has several inputs or outputs, coefficients that are not finite, no sampling
-        time although it is discrete, or more zeros than poles then; if 1 + L vanishes as ω → ∞
-        (an ill-posed loop); for a delay that is negative, not finite, or given with a discrete
-        system.
+        time although it is discrete, or, discrete or behind a delay, more zeros than poles; if
+        1 + L vanishes as ω → ∞ (an ill-posed loop); for a delay that is negative, not finite, or
+        given with a discrete system.
 
     Notes
     -----

@@ -38,7 +38,7 @@ class LoopMargins:
         Where L is real and negative at those gains.
     phase_crossovers_hz : tuple of float
         All frequencies where L is finite, real and negative, ascending. With a delay, which
-        turns the phase for ever: up to the last that can limit a margin.
+        turns the phase for ever: those that can limit a margin.
     delay_margin_s, delay_margin_hz : float
         Smallest added delay that destabilises, and its crossover. The delay is 0 where
         |L| ≥ 1 as ω → ∞. Of a discrete loop: the delay whose phase lag uses up the margin.

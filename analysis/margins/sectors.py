@@ -9,16 +9,20 @@ value found are dropped, the others are halved. Nothing is lost between the poin
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 
 from .crossings import last_frequency, phase_points, stationary_points
 from .factored_loop import HIGHEST, LOWEST, FactoredLoop, Real
 
+Mask = npt.NDArray[np.bool_]
 Bound = Callable[[Real, Real, Real], Real]
 """Largest value over sectors: least and largest ln |L|, least cos²(φ/2) of its phase φ."""
 
 _ROUNDING = 1e-13
 _LARGEST = 300.0  # nepers: twice that exp would not give
-_NARROW, _CLOSE = 1e-4, 1e-9
+_NARROW = 1e-3  # nepers and radians
+_CLOSE = 1e-9
+_SPAN = 1e-4
 
 
 def sensitivity(low: Real, high: Real, square: Real) -> Real:
@@ -57,29 +61,40 @@ def peak(loop: FactoredLoop, bound: Bound) -> tuple[float, float]:
     edges = _edges(loop)
     low, high = edges[:-1], edges[1:]
     best, place = _limit(loop, bound)
-    narrow = [np.empty(0)]
+    narrow = [np.empty((2, 0))]
     while low.size:
         places = np.concatenate([low, high])
         values = sizes(loop, bound, places)
         if values.max() > best * (1.0 + _ROUNDING):
             best, place = float(values.max()), float(places[values.argmax()])
         reaching = _over(loop, bound, low, high) > best * (1.0 + _ROUNDING)
-        wide = high > low * (1.0 + _NARROW)
-        narrow.append(low[reaching & ~wide])
+        wide = _is_wide(loop, low, high)
+        narrow.append(np.array([low, high])[:, reaching & ~wide])
         low, high = low[reaching & wide], high[reaching & wide]
         middle = np.sqrt(low) * np.sqrt(high)
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-    for start in [*_apart(np.sort(np.concatenate(narrow))), place]:
+    for start in [*_highest_of_runs(loop, bound, *np.concatenate(narrow, axis=1)), place]:
         found, at = climbed(loop, bound, start)
         if found > best:
             best, place = found, at
     return best, place
 
 
-def _apart(places: Real) -> list[float]:
-    """Return the middle one of each run of neighbours."""
-    ends = np.flatnonzero(np.diff(places) > 3.0 * _NARROW * places[1:]) + 1
-    return [float(run[run.size // 2]) for run in np.split(places, ends) if run.size]
+def _is_wide(loop: FactoredLoop, low: Real, high: Real) -> Mask:
+    """Whether L covers more of a sector than a single maximum needs."""
+    gain = abs(_log_gain(loop, high) - _log_gain(loop, low))
+    turn = abs(loop.phase(high) - loop.phase(low))
+    return np.asarray((gain + turn > _NARROW) & (high > low * (1.0 + 1e-14)))
+
+
+def _highest_of_runs(loop: FactoredLoop, bound: Bound, low: Real, high: Real) -> list[float]:
+    """Return the best of the places in each run of intervals that join."""
+    order = np.argsort(low)
+    low, high = low[order], high[order]
+    values = sizes(loop, bound, low)
+    starts = np.flatnonzero(np.append(True, low[1:] > high[:-1] * (1.0 + 1e-14)))
+    runs = np.split(np.arange(low.size), starts[1:])
+    return [float(low[run[values[run].argmax()]]) for run in runs if run.size]
 
 
 def first_below(loop: FactoredLoop, level: float) -> float:
@@ -96,7 +111,7 @@ def first_below(loop: FactoredLoop, level: float) -> float:
         if _under(loop, np.array([low]), np.array([high]))[0] > level:
             continue
         ends = np.log([low, high])
-        if high > low * (1.0 + _NARROW):
+        if high > low * (1.0 + _SPAN):
             middle = float(np.exp(ends.mean()))
             waiting += [(middle, high), (low, middle)]
         elif excess(ends[0]) > 0.0 >= excess(ends[1]):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import lambertw
 
-from jounce.analysis.margins import loop_margins
+from jounce.analysis.margins import loop_margins, many_loop_margins
 from jounce.analysis.margins.crossings import gain_crossings
 from jounce.analysis.margins.delay import is_stable_behind_delay, rightmost_poles
 from jounce.analysis.margins.factoring import factored
@@ -181,6 +181,22 @@ def test_a_delay_may_stabilise():
     assert stable == [pole < 0 for pole in poles]
     assert True in stable
     assert False in stable
+
+
+@pytest.mark.parametrize(("omega", "delay"), [(62830.0, 10.0), (6283.0, 1.0)])
+def test_a_fast_mode_behind_a_long_delay_is_no_trouble(omega, delay):
+    """Its phase crosses −180° a hundred thousand times; the mode's peak is the margin."""
+    loop = 0.01 / (S * (S**2 / omega**2 + 1e-5 * S / omega + 1))
+    margins = loop_margins(loop, delay=delay)
+    arrays = many_loop_margins(loop.num_array[0, 0], loop.den_array[0, 0], delay=delay)
+    assert margins.stable
+    for name in ("phase_margin_deg", "upper_gain_margin_db", "modulus_margin"):
+        assert getattr(margins, name) == pytest.approx(float(getattr(arrays, name)), rel=1e-9)
+
+
+def test_more_zeros_than_poles_behind_a_delay_are_refused():
+    with pytest.raises(ValueError, match="no closed loop is stable; model the roll-off"):
+        loop_margins(control.tf([1, 0], [1]), delay=1.0)
 
 
 def test_a_loop_just_at_the_verge_counts_as_unstable():
