@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from difflib import get_close_matches
 from enum import StrEnum
 from io import TextIOWrapper
@@ -95,18 +96,33 @@ def check_command(
     output: Annotated[
         CheckFormat, typer.Option("--format", help="github: print annotations, too.")
     ] = CheckFormat.TABLE,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show what stayed the same in a check that fails, too.")
+    ] = False,
 ) -> None:
     """Compare a loop's margins and moves with stored numbers and bounds; status 1 if worse.
 
     An improvement beyond tolerance passes, with a note.
+
+    A number without a better side may change neither way: crossover, bandwidth,
+    rise and peak time of the step, peaks of a move.
     """
     from .gate import check_scenario
-    from .gate.formats import gate_table, github_lines, heading, summary
+    from .gate.formats import gate_table, github_error, github_lines, heading, shown_rows, summary
 
-    report = check_scenario(scenario, baseline=baseline, checks=checks, update=update)
-    written = _write_check(report, scenario, baseline, checks, junit)
-    if report.rows:
-        _print(gate_table(report.rows, heading(report)))
+    try:
+        report = check_scenario(scenario, baseline=baseline, checks=checks, update=update)
+        written = _write_check(report, scenario, baseline, checks, junit)
+    except (ValueError, OSError) as error:
+        _write_junit_error(error, scenario, baseline, checks, junit)
+        if output is CheckFormat.GITHUB:
+            _print(github_error(_message(error)))
+        raise
+    rows, left_out = shown_rows(report, everything=everything)
+    if rows:
+        _print(gate_table(rows, heading(report)))
+    if left_out:
+        _print(f"{left_out}\n")
     if output is CheckFormat.GITHUB:
         _print(*github_lines(report))
     _print(summary(report), *(f"Wrote {path}" for path in written))
@@ -197,7 +213,7 @@ def _write_check(
     junit: Path | None,
 ) -> list[Path]:
     """Write the baseline, where it is to be updated, and the JUnit file; return what was."""
-    from .gate.check import baseline_beside, checks_beside
+    from .gate.check import baseline_beside
     from .gate.formats import junit_text
     from .output import write_files
 
@@ -206,12 +222,37 @@ def _write_check(
     if report.update and report.passed and report.measured is not None:
         writers[baseline] = report.measured.write
     if junit is not None:
-        inputs = (scenario, baseline, checks or checks_beside(scenario))
-        if junit.resolve() in [path.resolve() for path in inputs]:
-            raise ValueError(f"--junit {junit}: is a file that is read; name another one")
+        _refuse_inputs(junit, scenario, baseline, checks)
         writers[junit] = lambda draft: draft.write_bytes(junit_text(report).encode("utf-8"))
     write_files(writers)
     return list(writers)
+
+
+def _write_junit_error(
+    error: Exception,
+    scenario: Path,
+    baseline: Path | None,
+    checks: Path | None,
+    junit: Path | None,
+) -> None:
+    """Put bad input in the place of an earlier run's JUnit file, if that can be written."""
+    from .gate.formats import junit_error
+    from .output import write_files
+
+    if junit is None:
+        return
+    text = junit_error(scenario, _message(error)).encode("utf-8")
+    with suppress(ValueError, OSError):  # the error itself is what to tell
+        _refuse_inputs(junit, scenario, baseline, checks)
+        write_files({junit: lambda draft: draft.write_bytes(text)})
+
+
+def _refuse_inputs(junit: Path, scenario: Path, baseline: Path | None, checks: Path | None) -> None:
+    from .gate.check import baseline_beside, checks_beside
+
+    inputs = (scenario, baseline or baseline_beside(scenario), checks or checks_beside(scenario))
+    if junit.resolve() in [path.resolve() for path in inputs]:
+        raise ValueError(f"--junit {junit}: is a file that is read; name another one")
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
@@ -248,5 +289,7 @@ def _fail(error: Exception, status: int) -> None:
 
 def _message(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
+        if error.filename is None:
+            return f"standard output: {error.strerror}; print to a place that can be written"
         return f"{error.filename}: {error.strerror}; give a path that can be written"
     return str(error)

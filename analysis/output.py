@@ -112,7 +112,10 @@ def write_files(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     try:
         for path, write in writers.items():
             drafts[path] = _draft(path)
-            write(drafts[path])
+            try:
+                write(drafts[path])
+            except OSError as error:
+                raise type(error)(error.errno, error.strerror, str(path)) from None
         for path, draft in drafts.items():
             draft.replace(path)
     finally:

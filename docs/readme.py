@@ -104,6 +104,7 @@ def benchmarks() -> str:
     for name in (
         "evaluation",
         "design",
+        "moves",
         "transfers",
         "following",
         "response",

@@ -117,7 +117,7 @@ for match in ("delay", "rates"):
     lags = cascaded_lags(move, omega, match=match)
     print(f"{match:6s} time constants {np.round(lags.lags, 4)} s, "
           f"{lags.error_to_corner_db:+.2f} dB up to the corner")  # fmt: skip
-cascaded_lags(move, omega).plot()
+    display(lags.plot())
 
 # %% [markdown]
 # ## What a move leaves ringing

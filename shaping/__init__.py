@@ -13,6 +13,8 @@ from .rise import switch_fractions
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from .batches.many_moves import min_time_moves
+    from .batches.move_batch import MoveBatch
     from .followers.follower import CommandFollower, FollowerResponse
     from .transfers.batch import TransferBatch, min_time_transfers
     from .transfers.infeasible import InfeasibleError
@@ -26,9 +28,11 @@ _LATER = {
     "CommandFollower": "followers.follower",
     "FollowerResponse": "followers.follower",
     "InfeasibleError": "transfers.infeasible",
+    "MoveBatch": "batches.move_batch",
     "SCurveMove": "transfers.s_curve",
     "Transfer": "transfers.problem",
     "TransferBatch": "transfers.batch",
+    "min_time_moves": "batches.many_moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "transfers.batch",
     "s_curve_move": "transfers.s_curve",
@@ -43,6 +47,7 @@ __all__ = [
     "InfeasibleError",
     "JerkFilter",
     "Limits",
+    "MoveBatch",
     "SCurveMove",
     "Trajectory",
     "Transfer",
@@ -50,6 +55,7 @@ __all__ = [
     "bound_for_rise_time",
     "min_jerk_move",
     "min_time_move",
+    "min_time_moves",
     "min_time_transfer",
     "min_time_transfers",
     "perfect_spline",

@@ -112,7 +112,7 @@ def swing_plan(distance: float, bounds: Sequence[float]) -> SwingPlan | None:
     if order < 1 or not isfinite(bounds[1]):
         return None
     velocity, acceleration, inner = bounds[0], bounds[1], bounds[2:]
-    velocity_gain, position_gain = _crossing_gains(order)
+    velocity_gain, position_gain = crossing_gains(order)
     excess = 0.5 * (distance - _swing_distance(acceleration, inner, position_gain)) / acceleration
     if excess < 0.0:
         acceleration = _solve_acceleration(distance, acceleration, inner, position_gain)
@@ -171,7 +171,7 @@ def spline_peaks(order: int) -> tuple[float, ...]:
 
 
 @lru_cache(maxsize=64)
-def _crossing_gains(order: int) -> tuple[float, float]:
+def crossing_gains(order: int) -> tuple[float, float]:
     """Return the first and second integral of the crossing 1 → −1 over its first half.
 
     For the unit spline s the crossing is 1 − 2s; the double integral of s over the whole span is

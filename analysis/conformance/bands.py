@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, pi, sin, sqrt
+from math import exp, inf, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,8 @@ RESOLVED = 3.4
 
 OVERSHOOT = 0.068
 """Part of a jump by which the fit overshoots beside it."""
+
+_HIDDEN = 2.0 / 3.0  # of the resolved time: a jump shows its height over 0.62 of it, or more
 
 _POINTS = 4  # per interval between knots
 _AVERAGED = 2.0  # width in τ of the average whose kernel is positive, to 0.2 % of a jump
@@ -103,6 +105,52 @@ def derivative_band(fit: SplineFit, k: int, c: float) -> Band:
         noise=c * deviation,
         smoothing=np.abs(values - averaged),
         amplification=sqrt(share * typical) / fit.noise,
+    )
+
+
+def extent(band: Band, direction: int) -> tuple[float, float, float, float]:
+    """Return a band's peak, its least and its most, and its time.
+
+    Parameters
+    ----------
+    band : Band
+    direction : int
+        1 forward, −1 backward, 0 whichever is larger.
+    """
+    if not direction:
+        larger, other = sorted((extent(band, 1), extent(band, -1)), reverse=True)
+        return larger[0], max(larger[1], other[1]), max(larger[2], other[2]), larger[3]
+    values = direction * band.values
+    at = int(values.argmax())
+    ends = (values[at], (values - band.error).max(), (values + band.error).max())
+    used, least, most = (max(float(end), 0.0) for end in ends)
+    return used, least, most, float(band.times[at])
+
+
+def upper_end_holds(
+    bands: Sequence[Band], resolved_time: float, displacement: float
+) -> tuple[bool, ...]:
+    """Return whether the upper end of each derivative's peak excludes higher ones.
+
+        (2/3)·resolved_time·most_k ≤ least_(k−1)
+
+    Where the derivative below jumps by D, the fit shows D/(0.9·resolved_time), and the upper end
+    with its allowance for smoothing is at least D/(0.62·resolved_time): one lower than that of a
+    jump by the whole peak of the derivative below excludes such a jump.
+
+    Parameters
+    ----------
+    bands : sequence of Band
+        Of derivatives 1, 2, …
+    resolved_time : float
+    displacement : float
+        least₀: what the readings surely moved; infinite for an axis known to be at rest.
+    """
+    ends = [extent(band, 0)[1:3] for band in bands]
+    shown = [displacement, *(inf if displacement == inf else least for least, _ in ends)]
+    return tuple(
+        most == 0.0 or _HIDDEN * resolved_time * most <= below
+        for (_, most), below in zip(ends, shown[:-1], strict=True)
     )
 
 

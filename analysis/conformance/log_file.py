@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 from array import array
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Sequence
 from itertools import islice
-from math import isnan, nan
+from math import isinf, isnan, nan
 from operator import index
 from pathlib import Path
 from statistics import mode
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from ...shaping.pieces import FloatArray
 
 _DELIMITERS = (";", "\t", ",", " ")
+_FIRST_BYTES = 4096
 _HEAD = 50  # lines in which delimiter, header and first row of numbers are looked for
 
 
@@ -44,7 +46,10 @@ def read_log(
     Raises
     ------
     ValueError
-        For a column that is not there, or a cell that is no number, naming its line.
+        For a column that is not there or whose name the header holds twice, for a cell that is
+        no finite number, naming its line, and for a file in UTF-16.
+    TypeError
+        For a column that is neither a name nor a whole number.
     OSError
         Where the file cannot be read.
 
@@ -58,10 +63,12 @@ def read_log(
     (array([0. , 0.1]), array([1.5, 1.7]))
     """
     file = Path(path)
+    wanted = _wanted("time", time), _wanted("position", position)
+    _refuse_utf_16(file)
     head = [line for _, line in islice(_lines(file), _HEAD)]
     delimiter = _sniffed(head)
     rows = [_cells(line, delimiter) for line in head]
-    start, columns = _columns(file, rows, (time, position))
+    start, columns = _columns(file, rows, wanted)
     start += _text_rows(rows[start:], columns, delimiter)
     times, positions = array("d"), array("d")
     for number, line in islice(_lines(file), start, None):
@@ -73,6 +80,22 @@ def read_log(
     if not times:
         raise ValueError(f"{file}: no row has numbers in columns {columns[0]} and {columns[1]}")
     return np.array(times), np.array(positions)
+
+
+def _wanted(name: str, column: int | str) -> int | str:
+    try:
+        return column if isinstance(column, str) else index(column)
+    except TypeError:
+        raise TypeError(
+            f"{name} = {column!r}: expected the number of a column, from 0 on, or its name"
+        ) from None
+
+
+def _refuse_utf_16(file: Path) -> None:
+    with file.open("rb") as stream:
+        start = stream.read(_FIRST_BYTES)
+    if start.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) or b"\0" in start:
+        raise ValueError(f"{file} is in UTF-16, or no text: save it as UTF-8")
 
 
 def _lines(file: Path) -> Iterator[tuple[int, str]]:
@@ -124,7 +147,11 @@ def _columns(
         found = ", ".join(map(repr, rows[0]))
         raise ValueError(f"{file}: no column {' or '.join(map(repr, names))}: found {found}")
     header, width = rows[headers[0]], mode(map(len, rows))
-    numbers = [header.index(c) if isinstance(c, str) else index(c) for c in wanted]
+    for name in names:
+        if header.count(name) > 1:
+            where = ", ".join(str(i) for i, cell in enumerate(header) if cell == name)
+            raise ValueError(f"{file}: columns {where} are all named {name!r}: give a number")
+    numbers = [header.index(c) if isinstance(c, str) else c for c in wanted]
     for number in numbers:
         if not -width <= number < width:
             raise ValueError(f"{file}: no column {number}: rows have {width}, counted from 0")
@@ -145,10 +172,11 @@ def _text_rows(rows: Sequence[list[str]], columns: tuple[int, int], delimiter: s
 
 def _reading(file: Path, number: int, cells: Sequence[str], column: int, delimiter: str) -> float:
     if column >= len(cells):
-        raise ValueError(
-            f"{file}, line {number}: {len(cells)} cells, so no column {column}; counted from 0"
-        )
+        count = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
+        raise ValueError(f"{file}, line {number}: {count}, so no column {column}; counted from 0")
     value = _number(cells[column], delimiter)
     if value is None:
         raise ValueError(f"{file}, line {number}: {cells[column]!r} is not a number")
+    if isinf(value):
+        raise ValueError(f"{file}, line {number}: {cells[column]!r} is not a finite number")
     return value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from io import StringIO
-from math import inf, isfinite
+from math import inf, isnan
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from ...shaping.derivatives import derivative_name
 from .bands import OVERSHOOT
 
 if TYPE_CHECKING:
@@ -54,8 +55,9 @@ def conformance_notes(result: Conformance) -> list[str]:
     """Return sentences on noise, on what is too short to be seen, and on jerk."""
     known = f", resolution {result.resolution:.4g}" if result.resolution else ""
     notes = [
-        f"Noise of a reading {result.noise:.3g}{known}; an excess shorter than "
-        f"{result.resolved_time:.3g} may not be seen.",
+        f"Noise of a reading {result.noise:.3g}{known}; an excess that lasts a time "
+        f"of less than {result.resolved_time:.3g} may not be seen.",
+        *_hidden_note(result),
         _jerk_note(result),
     ]
     if len(result.bands[0].starts) > 1 or result.left_out:
@@ -72,9 +74,21 @@ def conformance_notes(result: Conformance) -> list[str]:
     tolerance = result.peaks[0].tolerance
     if tolerance:
         notes.append(f"A limit counts as kept up to {100.0 * tolerance:.3g} % above it.")
-    if any(peak.most == inf for peak in result.peaks):
+    if any(isnan(peak.used) for peak in result.peaks):
         notes.append("Snap and above cannot be taken from a log: leave their limits out.")
     return notes
+
+
+def _hidden_note(result: Conformance) -> list[str]:
+    measured = [peak for peak in result.peaks if not isnan(peak.used)]
+    hidden = dict.fromkeys(peak.derivative for peak in measured if peak.most == inf)
+    if not hidden:
+        return []
+    names = ", ".join(map(derivative_name, hidden))
+    return [
+        f"No upper end can be given for {names}: the derivative below could have changed by its "
+        "whole peak in less than that time."
+    ]
 
 
 def _jerk_note(result: Conformance) -> str:
@@ -89,13 +103,14 @@ def _jerk_note(result: Conformance) -> str:
 
 
 def _measured(result: Conformance, peak: Peak) -> tuple[str, str, str, str]:
-    if not isfinite(peak.most):
+    if isnan(peak.used):
         return "—", "—", "—", "—"
     band = result.band(peak.derivative)
     at = int(np.searchsorted(band.times, peak.time))
+    above = "∞" if peak.most == inf else f"{peak.most - peak.used:.2g}"
     return (
         f"{peak.used:.5g}",
-        f"−{peak.used - peak.least:.2g} +{peak.most - peak.used:.2g}",
+        f"−{peak.used - peak.least:.2g} +{above}",
         f"±{band.noise[at]:.2g}",
         f"±{band.smoothing[at]:.2g}",
     )

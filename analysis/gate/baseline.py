@@ -19,8 +19,8 @@ from .numbers import Key
 FORMAT = 1
 """Number of the layout, kept in the file under "jounce_baseline"."""
 
-_WHAT = "a baseline (JSON), as jounce check --update writes it"
-_ANEW = "delete the file and store the baseline anew"
+_WHAT = "a baseline (JSON)"
+_UPDATE = "--update"
 
 
 @dataclass(frozen=True)
@@ -61,36 +61,45 @@ class Baseline:
         path.write_bytes(self.text().encode("utf-8"))
 
 
-def load_baseline(path: Path) -> Baseline:
+def load_baseline(path: Path, *, anew: str = _UPDATE) -> Baseline:
     """Read a baseline.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    anew : str, optional
+        What stores a baseline, for messages.
 
     Raises
     ------
     CheckError
         If the file cannot be read or is no baseline: a line for every problem.
     """
+    remedy = _remedy(anew)
     try:
         content = read_json(path, _WHAT)
     except ValueError as error:
-        raise CheckError(str(error)) from None
-    _refuse_other_files(path, content)
+        other = remedy if path.is_file() else f"store one with {anew}"
+        raise CheckError(f"{error}, or {other}") from None
+    _refuse_other_files(path, content, remedy)
     problems: list[str] = []
     names = [content.get(key) for key in ("scenario", "position_unit")]
     for key, name in zip(("scenario", "position_unit"), names, strict=True):
         if name is not None and not isinstance(name, str):
-            problems.append(f"{key}: {show(name)} is not text; {_ANEW}")
+            problems.append(f"{key}: {show(name)} is not text")
     numbers: dict[Key, Stored] = {}
     for where, entry in _entries(content.get("numbers"), ("numbers",), problems):
         problem = _problem_of(entry)
         if problem:
-            problems.append(f"{key_path(where)}: {problem}; {_ANEW}")
+            problems.append(f"{key_path(where)}: {problem}")
         else:
             value = None if entry["value"] is None else float(entry["value"])
             numbers[where[1:]] = Stored(value, float(entry["rtol"]), float(entry["atol"]))
     if not problems and not numbers:
-        problems.append(f"numbers: holds none; {_ANEW}")
+        problems.append("numbers: holds none")
     if problems:
-        raise CheckError("\n".join(f"{path}: {problem}" for problem in problems))
+        raise CheckError("\n".join(f"{path}: {problem}; {remedy}" for problem in problems))
     return Baseline(names[0], names[1], MappingProxyType(numbers))
 
 
@@ -99,13 +108,18 @@ def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None
     if stored.scenario != scenario:
         whose = "a loop alone" if stored.scenario is None else show(stored.scenario)
         raise CheckError(
-            f"{path}: is the baseline of {whose}, not of {show(scenario)}; name another file, or "
-            "delete this one and store it anew"
+            f"{path}: is the baseline of {whose}, not of {show(scenario)}; name another file, "
+            f"or {_remedy(_UPDATE)}"
         )
     if stored.position_unit != unit:
         raise CheckError(
-            f"{path}: is in {show(stored.position_unit)}, the scenario in {show(unit)}; {_ANEW}"
+            f"{path}: is in {show(stored.position_unit)}, the scenario in {show(unit)}; "
+            f"{_remedy(_UPDATE)}"
         )
+
+
+def _remedy(anew: str) -> str:
+    return f"delete the file and store anew with {anew}"
 
 
 def _json(value: object, indent: str = "\n") -> str:
@@ -119,14 +133,14 @@ def _json(value: object, indent: str = "\n") -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _refuse_other_files(path: Path, content: object) -> None:
+def _refuse_other_files(path: Path, content: object, remedy: str) -> None:
     if not isinstance(content, dict) or "jounce_baseline" not in content:
-        raise CheckError(f"{path}: is no baseline; name {_WHAT}")
+        raise CheckError(f"{path}: is no baseline; name {_WHAT}, or {remedy}")
     layout = content["jounce_baseline"]
     if layout is True or layout != FORMAT:
         raise CheckError(
             f"{path}: jounce_baseline: {show(layout)} is a layout that this version does not "
-            f"know, it reads {FORMAT}; use the version that wrote it, or {_ANEW}"
+            f"know, it reads {FORMAT}; use the version that wrote it, or {remedy}"
         )
 
 
@@ -135,7 +149,7 @@ def _entries(
 ) -> Iterator[tuple[Key, dict[str, Any]]]:
     """Yield what stands for each number: a table without tables."""
     if not isinstance(table, dict):
-        problems.append(f"{key_path(where)}: {show(table)} is not a table; {_ANEW}")
+        problems.append(f"{key_path(where)}: {show(table)} is not a table")
         return
     for name, value in table.items():
         if isinstance(value, dict) and any(isinstance(entry, dict) for entry in value.values()):
@@ -143,7 +157,7 @@ def _entries(
         elif isinstance(value, dict):
             yield (*where, name), value
         else:
-            problems.append(f"{key_path((*where, name))}: {show(value)} is not a table; {_ANEW}")
+            problems.append(f"{key_path((*where, name))}: {show(value)} is not a table")
 
 
 def _problem_of(entry: Mapping[str, Any]) -> str:

@@ -84,7 +84,9 @@ def check_scenario(
     baseline : str or Path, optional
         The stored numbers. Default: ``<scenario>.baseline.json`` beside the scenario, if there.
     checks : str or Path, optional
-        Bounds and tolerances. Default: ``<scenario>.check.toml`` beside it, if there.
+        Bounds and tolerances. Default: ``<scenario>.check.toml`` beside it, if there. A tolerance
+        given to the number itself counts first, then the one stored in the baseline; the file's
+        `rtol` of all numbers counts for those that are stored anew with the usual 1e-6.
     update : bool, optional
         Whether the baseline is about to be replaced: it need not be there, and only bounds
         count. The report's `measured` is what to store; nothing is written here.

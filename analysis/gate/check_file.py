@@ -40,7 +40,11 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Checks:
-    """A check file: a relative tolerance for all numbers, and requirements of some."""
+    """A check file: a relative tolerance for all numbers, and requirements of some.
+
+    `rtol` is for numbers that have none of their own, here or in the baseline: it counts where a
+    baseline is stored.
+    """
 
     rtol: float | None = None
     requirements: Mapping[Key, Requirement] = field(default_factory=lambda: MappingProxyType({}))
@@ -56,7 +60,8 @@ def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:
     Parameters
     ----------
     path : Path
-        A TOML file laid out as ``examples/telescope.check.toml`` explains.
+        A TOML file laid out as ``examples/telescope.check.toml`` explains. At its top a number
+        may be named by its last part alone, where only one number has that.
     numbers : sequence of Number
         Those that there are.
 
@@ -73,8 +78,11 @@ def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:
         problems.append(f"rtol: {problem}")
     requirements: dict[Key, Requirement] = {}
     known = {number.key: number for number in numbers}
-    for key, value in _leaves(content, (), known, problems):
+    bare = _bare(content, known, problems)
+    for key, value in (*bare, *_leaves(content, (), known, problems)):
         found = _problems_of(known[key], value)
+        if key in requirements:
+            found.append("is given twice, by its whole and by its bare name; remove one")
         problems += [f"{key_path(key)}: {problem}" for problem in found]
         if not found:
             requirements[key] = _requirement(value)
@@ -95,6 +103,23 @@ def read_check_file(path: Path) -> dict[str, Any]:
         return read_toml(path, _WHAT)
     except ValueError as error:
         raise CheckError(str(error)) from None
+
+
+def _bare(
+    content: dict[str, Any], known: Mapping[Key, Number], problems: list[str]
+) -> list[tuple[Key, Any]]:
+    """Take numbers named by their last part alone out of a content; note those of many numbers."""
+    tables = {key[0] for key in known}
+    found = []
+    for name in [name for name in content if name not in tables]:
+        named = [key for key in known if key[-1] == name]
+        if len(named) == 1:
+            found.append((named[0], content.pop(name)))
+        elif named:
+            paths = ", ".join(map(key_path, named))
+            problems.append(f"{key_path([name])}: is ambiguous; write one of {paths}")
+            del content[name]
+    return found
 
 
 def _leaves(
@@ -121,7 +146,8 @@ def _unknown(key: Key, known: Mapping[Key, Number]) -> str:
     """Return what to say of a name that no number has."""
     depth = len(key)
     here = list(dict.fromkeys(k[depth - 1] for k in known if k[: depth - 1] == key[:-1]))
-    near = difflib.get_close_matches(key[-1], here, n=1)
+    bare = [k[-1] for k in known] if depth == 1 else []
+    near = difflib.get_close_matches(key[-1], [*here, *bare], n=1)
     if near:
         guess = key_path((*key[:-1], near[0]))
     else:
@@ -134,7 +160,7 @@ def _unknown(key: Key, known: Mapping[Key, Number]) -> str:
 def _problems_of(number: Number, value: object) -> list[str]:
     """Return what is wrong with what is said of a number."""
     if not isinstance(value, dict):
-        return [f"{show(value)} is not a table; write {_example(number)}"]
+        return [f"{show(value)} is not a table; write {_example(number, value)}"]
     if not value:
         return [f"is empty; write {_example(number)}"]
     problems = []
@@ -172,6 +198,9 @@ def _requirement(value: Mapping[str, Any]) -> Requirement:
     )
 
 
-def _example(number: Number) -> str:
-    value = f"{number.value:.3g}" if isfinite(number.value) else "1"
-    return f"{{ {'min' if number.better == 'higher' else 'max'} = {value} }}"
+def _example(number: Number, said: object = None) -> str:
+    """Return a bound to write: the number that was said, if any, or about what is measured."""
+    bound = "min" if number.better == "higher" else "max"
+    if not _problem_of(bound, said):
+        return f"{{ {bound} = {said} }}"
+    return f"{{ {bound} = {f'{number.value:.3g}' if isfinite(number.value) else '1'} }}"

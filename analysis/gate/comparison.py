@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, isnan
 from typing import Literal
 
@@ -110,9 +110,10 @@ def compare(
     """Return a row for every number, measured or stored.
 
     A number is the same as in its baseline where they differ by no more than
-    max(rtol·|was|, atol), or where neither has a value. Tolerances are those of the check file
-    where it names them, else those of the baseline. With `two_sided`, what a row allows ends on
-    the better side, too.
+    max(rtol·|was|, atol), or where neither has a value. Tolerances are those that the check file
+    gives to the number itself, else those of the baseline: the check file's `rtol` of all numbers
+    counts where a baseline is stored (see `measured_baseline`), not here. With `two_sided`, what a
+    row allows ends on the better side, too.
     """
     rows = [_row(number, baseline, checks, two_sided=two_sided) for number in numbers]
     known = {number.key for number in numbers}
@@ -129,11 +130,19 @@ def measured_baseline(
     scenario: str | None = None,
     position_unit: str | None = None,
 ) -> Baseline:
-    """Return numbers as a baseline, with the tolerances that `compare` would take."""
+    """Return numbers as a baseline, each with its tolerances.
+
+    They are those that the check file gives to the number itself, else those of the previous
+    baseline; for a number that is new, or whose relative tolerance was stored as the usual 1e-6,
+    that is the check file's `rtol` of all numbers, if it has one.
+    """
     before = {} if previous is None else previous.numbers
     stored = {}
     for number in numbers:
-        rtol, atol = _tolerance(number, before.get(number.key), checks)
+        entry = before.get(number.key, Stored(None, RTOL, number.atol))
+        if entry.rtol == RTOL and checks.rtol is not None:
+            entry = replace(entry, rtol=checks.rtol)
+        rtol, atol = _tolerance(entry, checks.of(number.key))
         value = number.value if isfinite(number.value) else None
         stored[number.key] = Stored(value, rtol, atol)
     return Baseline(scenario, position_unit, stored)
@@ -146,7 +155,7 @@ def _row(number: Number, baseline: Baseline | None, checks: Checks, *, two_sided
     verdict: Verdict = "new" if baseline is not None else _unstored(asked)
     if stored is not None:
         was = absent(number.better) if stored.value is None else stored.value
-        rtol, atol = _tolerance(number, stored, checks)
+        rtol, atol = _tolerance(stored, asked)
         width = max(rtol * abs(was), atol) if isfinite(was) else 0.0
         verdict = _beside(was, number, width)
         least, most = _allowed(was, None if two_sided else number.better, width, asked)
@@ -164,15 +173,10 @@ def _gone(key: Key, stored: Stored) -> Row:
     return Row(key, was, None, -inf, inf, "gone")
 
 
-def _tolerance(number: Number, stored: Stored | None, checks: Checks) -> tuple[float, float]:
-    """Return rtol and atol: the check file's, else the baseline's, else the usual ones."""
-    asked = checks.of(number.key)
-    before = (RTOL, number.atol) if stored is None else (stored.rtol, stored.atol)
-    return _first(asked.rtol, checks.rtol, before[0]), _first(asked.atol, before[1])
-
-
-def _first(*values: float | None) -> float:
-    return next(value for value in values if value is not None)
+def _tolerance(stored: Stored, asked: Requirement) -> tuple[float, float]:
+    """Return rtol and atol: those asked of the number itself, else those stored with it."""
+    rtol = stored.rtol if asked.rtol is None else asked.rtol
+    return rtol, stored.atol if asked.atol is None else asked.atol
 
 
 def _beside(was: float, number: Number, width: float) -> Verdict:

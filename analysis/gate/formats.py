@@ -16,6 +16,7 @@ from .comparison import FAILURES, NOTES, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from .check import GateReport
     from .comparison import Row
@@ -24,6 +25,7 @@ _COLUMNS = ("", "was", "is", "allowed", "verdict")
 _COLOURS = ("bold red", "green", "")
 _QUIET: tuple[Verdict, ...] = ("same", "within", "unchecked")
 _ORDER = (*FAILURES, *NOTES, *_QUIET)
+_QUIET_WORDS = {"same": "the same", "within": "within bounds", "unchecked": "unchecked"}
 _WIDTH = 160
 
 
@@ -39,6 +41,21 @@ def gate_table(rows: Sequence[Row], title: str) -> Table:
     return table
 
 
+def shown_rows(report: GateReport, *, everything: bool) -> tuple[tuple[Row, ...], str]:
+    """Return the rows to show, and a line that counts those left out.
+
+    Where a check fails, what is as it should be is left out, unless `everything` is asked for.
+    """
+    left_out = Counter(row.verdict for row in report.rows if row.verdict in _QUIET)
+    if everything or report.passed or not left_out:
+        return report.rows, ""
+    shown = tuple(row for row in report.rows if row.verdict not in _QUIET)
+    counts = [(left_out[verdict], _QUIET_WORDS[verdict]) for verdict in _QUIET if left_out[verdict]]
+    (first, words), *others = counts
+    listed = [f"{first} number{'s' * (first != 1)} {words}", *(f"{n} {w}" for n, w in others)]
+    return shown, f"and {', '.join(listed)} (--all shows them)"
+
+
 def summary(report: GateReport) -> str:
     """Return what a report comes to, in a line or two."""
     if report.unstable:
@@ -52,12 +69,16 @@ def summary(report: GateReport) -> str:
 
 def _remedies(report: GateReport) -> list[str]:
     """Return what to do about a report's failures and notes."""
-    broken = any(row.verdict == "outside" for row in report.failures)
     if report.update:
-        return ["Nothing is stored while a bound of the check file is broken"] if broken else []
-    if all(row.verdict in ("outside", *_QUIET) for row in report.rows):
+        return ["Nothing is stored while a bound of the check file is broken"] * _broken(report)
+    if _broken(report) or all(row.verdict in _QUIET for row in report.rows):
         return []
     return ["To accept what is measured, store it with --update"]
+
+
+def _broken(report: GateReport) -> bool:
+    """Whether a bound is broken, so that `--update` would store nothing."""
+    return any(row.verdict == "outside" for row in report.rows)
 
 
 def report_text(report: GateReport) -> str:
@@ -86,23 +107,44 @@ def github_lines(report: GateReport) -> list[str]:
     lines = [_annotation("error", report, title, row.message) for row in report.failures]
     if report.notes and not report.update:
         messages = [row.message for row in report.notes]
-        heading = "Better than the baseline, or not in it; store it with --update:"
+        remedy = "" if _broken(report) else "; store it with --update"
+        heading = f"Better than the baseline, or not in it{remedy}:"
         lines.append(_annotation("warning", report, title, "\n".join([heading, *messages])))
     return lines
 
 
+def github_error(message: str) -> str:
+    """Return the workflow command that tells of bad input."""
+    return f"::error ::{_data(message)}"
+
+
 def junit_text(report: GateReport) -> str:
     """Return a report as JUnit XML: a test case for stability and for every number."""
-    name = _xml(report.title)
-    suite = ElementTree.Element("testsuite", name=name, errors="0", skipped="0", time="0")
-    _add_case(suite, report, "stable", "unstable", report.unstable)
+    suite = _suite(report.title)
+    _add_case(suite, report.path, "stable", ("failure", "unstable", report.unstable))
     failures = {row.key for row in report.failures}
     for row in report.rows:
         if row.verdict != "unchecked":
             failure = row.message if row.key in failures else ""
-            _add_case(suite, report, row.name, row.verdict, failure)
+            _add_case(suite, report.path, row.name, ("failure", row.verdict, failure))
+    return _document(suite)
+
+
+def junit_error(scenario: Path, message: str) -> str:
+    """Return JUnit XML that tells of bad input: a single test case, an error."""
+    suite = _suite(str(scenario))
+    _add_case(suite, scenario, "input", ("error", "bad input", message))
+    return _document(suite)
+
+
+def _suite(name: str) -> ElementTree.Element:
+    return ElementTree.Element("testsuite", name=_xml(name), skipped="0", time="0")
+
+
+def _document(suite: ElementTree.Element) -> str:
     suite.set("tests", str(len(suite)))
-    suite.set("failures", str(len(suite.findall("testcase/failure"))))
+    for outcome in ("failure", "error"):
+        suite.set(f"{outcome}s", str(len(suite.findall(f"testcase/{outcome}"))))
     root = ElementTree.Element("testsuites")
     root.append(suite)
     ElementTree.indent(root)
@@ -111,18 +153,20 @@ def junit_text(report: GateReport) -> str:
 
 
 def _add_case(
-    suite: ElementTree.Element, report: GateReport, name: str, kind: str, message: str
+    suite: ElementTree.Element, scenario: Path, name: str, outcome: tuple[str, str, str]
 ) -> None:
-    classname = _xml(f"jounce.check.{report.path.stem}")
+    """Add a test case with its outcome: tag, type and message, which is empty if it passes."""
+    classname = _xml(f"jounce.check.{scenario.stem}")
     case = ElementTree.SubElement(suite, "testcase", classname=classname, name=name, time="0")
+    tag, kind, message = outcome
     if message:
         text = _xml(message)
-        ElementTree.SubElement(case, "failure", type=kind, message=text).text = text
+        ElementTree.SubElement(case, tag, type=kind, message=text).text = text
 
 
 def _xml(text: str) -> str:
     """Return a text without the characters that XML has no way to write."""
-    return "".join(c if c.isprintable() else "\ufffd" for c in text)
+    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in text)
 
 
 def _urgency(verdict: Verdict) -> int:

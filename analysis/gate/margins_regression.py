@@ -13,7 +13,7 @@ from ...shaping.checks import finite
 from ..margins import LoopMargins, loop_margins
 from ..output import write_files
 from .baseline import load_baseline
-from .check_file import CheckError, Checks
+from .check_file import CheckError, Checks, Requirement
 from .comparison import compare, measured_baseline
 from .formats import table_text
 from .numbers import Number, loop_numbers, survey_numbers
@@ -86,7 +86,7 @@ class MarginsRegression:
         if rtol is not None and finite("rtol", rtol) < 0.0:
             raise ValueError(f"rtol = {rtol!r}: expected a number not below zero")
         numbers, unit = _measured(loop)
-        checks = Checks(rtol)
+        checks = Checks(requirements={number.key: Requirement(rtol=rtol) for number in numbers})
         baseline = measured_baseline(numbers, None, checks, position_unit=unit)
         perform_regression_check(
             datadir=self._datadir,
@@ -133,7 +133,7 @@ def _compare(
     __tracebackhide__ = True
     remedy = "If this is meant, run pytest --force-regen and commit the file."
     try:
-        stored = load_baseline(expected)
+        stored = load_baseline(expected, anew="pytest --force-regen")
     except CheckError as error:
         raise AssertionError(f"{error}\n{remedy}") from None
     if stored.position_unit != unit:

@@ -66,7 +66,7 @@ def plot_band(result: Conformance, derivative: int, *, ax: Axes) -> Axes:
         ax.plot(time, value, color=BLUE, linewidth=1.2, label="fit")
     bounds = [side for side in result.limits.bounds(derivative) if isfinite(side)]
     for side in bounds:
-        ax.axhline(side, color=RED, linestyle="--", linewidth=1.0, label="limit")
+        ax.axhline(side, color=RED, linestyle="--", linewidth=1.0, zorder=1.9, label="limit")
     ax.set_ylim(*_extent(band, bounds))
     ax.set_title(_title(result, derivative), loc="left", fontsize=10)
     ax.grid(alpha=0.3)

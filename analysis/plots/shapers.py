@@ -172,7 +172,8 @@ def plot_cascaded_lags(result: CascadedLags, *, time_unit: str = "s") -> Figure:
     for ax in (gains, errors):
         ax.axvline(corner_hz, color=GREY, linestyle=":", label="exact gain at −3 dB")
     gains.legend(loc="lower left")
-    finish(gains, "Lags in series for a shaper", "", "|v(jω)| / R [dB]")
+    corners = "the move's delay" if result.match == "delay" else "Thompson's corners V/R, A/V, …"
+    finish(gains, f"Lags in series, with {corners}", "", "|v(jω)| / R [dB]")
     title = f"error up to the corner: {result.error_to_corner_db:+.2f} dB".replace("-", "−")
     finish(errors, title, _hz(time_unit), "lags / exact [dB]")
     figure.align_ylabels([gains, errors])

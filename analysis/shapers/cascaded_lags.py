@@ -27,6 +27,8 @@ class CascadedLags:
 
     Attributes
     ----------
+    match : "delay" or "rates"
+        Whether they have the move's delay, or Thompson's corners.
     lags : (n,) array
         Time constants, one for each 20 dB per decade of the shaper's rollover.
     approximation, exact : FrequencyResponse
@@ -37,6 +39,7 @@ class CascadedLags:
         The largest error of the gain up to that corner, in dB, with its sign.
     """
 
+    match: Literal["delay", "rates"]
     lags: FloatArray
     approximation: FrequencyResponse
     exact: FrequencyResponse
@@ -86,7 +89,7 @@ def cascaded_lags(
     omega : float or (N,) array
         Frequencies in radians per time unit.
     match : "delay" or "rates", optional
-        The delay of the move (default), or Thompson's corners.
+        The delay of the move (default), which errs less, or Thompson's corners.
 
     Returns
     -------
@@ -138,6 +141,7 @@ def cascaded_lags(
     below = np.linspace(0.0, corner, _UP_TO_CORNER)
     errors = _response(lags, below).gain_db - frequency_response(trajectory, below).gain_db
     return CascadedLags(
+        match,
         lags,
         _response(lags, frequencies),
         frequency_response(trajectory, frequencies),

@@ -71,15 +71,21 @@ def spectrum_bound(trajectory: Trajectory, omega: ArrayLike) -> FloatArray:
 
     |V(jω)| ≤ min_k [Σ_{j<k} J_j/|ω|^j + TV(x^(k))/|ω|^k],   k = 0 … n
     """
-    grid = _on_nodes(trajectory)
-    jumps = np.insert(np.abs(_jumps(grid)).sum(axis=1), 0, 0.0)
-    weights = 0.5 * trajectory.durations[:, None] * _WEIGHTS
-    within = np.append((np.abs(grid[:, :, 1:-1]) * weights).sum(axis=(1, 2)), 0.0)
+    jumps, within = variations(trajectory)
+    jumps = np.insert(jumps, 0, 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         pace = 1.0 / np.abs(np.asarray(omega, dtype=float))
         powers = pace[..., None] ** np.arange(len(jumps))
         bounds = np.cumsum(jumps * powers, axis=-1) + within * powers
     return np.asarray(np.fmin.reduce(bounds, axis=-1))
+
+
+def variations(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Return Σ |jumps| of derivatives 1 … n, and ∫ |x^(k)| dt of derivatives 1 … n + 1."""
+    grid = _on_nodes(trajectory)
+    weights = 0.5 * trajectory.durations[:, None] * _WEIGHTS
+    within = (np.abs(grid[:, :, 1:-1]) * weights).sum(axis=(1, 2))
+    return np.abs(_jumps(grid)).sum(axis=1), np.append(within, 0.0)
 
 
 def check_rest(trajectory: Trajectory) -> None:
@@ -152,7 +158,9 @@ def _jumps(grid: FloatArray) -> FloatArray:
     nothing = np.zeros((len(grid), 1))
     jumps = np.hstack([grid[:, :, 0], nothing]) - np.hstack([nothing, grid[:, :, -1]])
     peaks = np.abs(grid).max(axis=(1, 2))[:, None]
-    jumps[np.abs(jumps) <= _ROUNDING * peaks] = 0.0
+    small = np.abs(jumps) <= _ROUNDING * peaks
+    small[-1] = False  # the highest derivative is what it is said to be
+    jumps[small] = 0.0
     return np.asarray(jumps)
 
 

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -246,7 +247,15 @@ def test_help(run, command):
     assert "Usage" in out
     shown = {
         (): ("check", "plan", "survey"),
-        ("check",): ("--baseline", "--checks", "--update", "--junit", "--format"),
+        ("check",): (
+            "--baseline",
+            "--checks",
+            "--update",
+            "--junit",
+            "--format",
+            "--all",
+            "neither",
+        ),
         ("plan",): ("--rise-time", "--plot"),
         ("survey",): ("--output",),
     }
@@ -469,6 +478,67 @@ def test_check_refuses(run, folder, options, words):
     assert {path: path.read_bytes() for path in folder.glob("axis*")} == before
     assert names(folder) == {"axis.toml", "axis.baseline.json", "folder", "link"}
     assert Path("link").is_symlink()
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_of_bad_input_leaves_no_green_file(run, folder):
+    (folder / "junit.xml").write_text("<testsuites/>")
+    (folder / "axis.check.toml").write_text("xyz = 1\nrtol = -1")
+    options = ("--junit", "junit.xml", "--format", "github")
+    status, out, errors = run("check", "axis.toml", *options)
+    assert (status, len(errors)) == (2, 2)
+    (annotation,) = out.splitlines()
+    assert annotation == "::error ::" + "%0A".join(errors).removeprefix("jounce: ")
+    (suite,) = ElementTree.parse("junit.xml").getroot()
+    assert [suite.get(key) for key in ("tests", "failures", "errors")] == list("101")
+    assert "xyz" in suite.find("testcase/error").text
+    assert names(folder) == {"axis.toml", "axis.baseline.json", "axis.check.toml", "junit.xml"}
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_of_bad_input_keeps_the_files_that_it_reads(run, folder):
+    (folder / "axis.baseline.json").write_text("<<<<<<< HEAD")
+    for name in ("axis.toml", "axis.baseline.json", "axis.check.toml"):
+        before = {path: path.read_bytes() for path in folder.iterdir()}
+        status, _, (line,) = run("check", "axis.toml", "--junit", name)
+        assert status == 2
+        assert "not JSON" in line
+        assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_says_how_to_replace_a_damaged_baseline(run, folder):
+    baseline = folder / "axis.baseline.json"
+    baseline.write_text("<<<<<<< HEAD\n" + baseline.read_text())
+    line = refused(run, folder, "check", "axis.toml", "--update")
+    assert line.endswith("delete the file and store anew with --update")
+    baseline.unlink()
+    assert run("check", "axis.toml", "--update")[0] == 0
+
+
+def test_check_shows_failures_alone_unless_all_is_asked_for(run, axis):
+    loosen(axis)
+    status, out, _ = run("check", "axis.toml")
+    _, full, _ = run("check", "axis.toml", "--all")
+    same = int(re.search(r"^and (\d+) numbers the same", out, re.MULTILINE)[1])
+    assert status == 1
+    assert "moves.go.duration_s" not in out
+    assert "moves.go.duration_s" in full
+    assert "numbers the same" not in full
+    assert len(full.splitlines()) - len(out.splitlines()) == same - 2  # its line and an empty one
+    assert f", {same} same)" in out
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.usefixtures("axis")
+def test_check_says_that_it_cannot_print():
+    code = "from jounce.analysis.command_line import main; main()"
+    command = [sys.executable, "-c", code, "check", "axis.toml"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, timeout=60, check=False)
+    assert done.returncode == 2
+    line = done.stderr.decode().splitlines()[0]
+    assert line.startswith("jounce: standard output: No space left on device; ")
 
 
 def test_check_needs_something_to_judge_by(run, folder):

@@ -76,7 +76,11 @@ def test_other_encodings_of_the_header(write):
         ("# nothing\n\n", (), r"axis.csv has no rows"),
         ("0,1\n0.1,x\n", (), r"axis.csv, line 2: 'x' is not a number$"),
         ("# c\n\nt,x\n0,1\n0.1,1.2.3\n", (), r"axis.csv, line 5: '1.2.3' is not a number$"),
-        ("0,1\n0.1,2\n0.2\n", (), r"axis.csv, line 3: 1 cells, so no column 1"),
+        ("0,1\n0.1,2\n0.2\n", (), r"axis.csv, line 3: 1 cell, so no column 1"),
+        ("0,1,2\n1,2,3\n0,1\n", (0, 2), r"axis.csv, line 3: 2 cells, so no column 2"),
+        ("t,x\n0,1\n0.1,inf\n", (), r"axis.csv, line 3: 'inf' is not a finite number$"),
+        ("0,1\n1e999,2\n", (), r"axis.csv, line 2: '1e999' is not a finite number$"),
+        ("x,t,x\n0,1,2\n", ("t", "x"), r"columns 0, 2 are all named 'x': give a number$"),
         ("0\n1\n2\n", (), r"no column 1: rows have 1, counted from 0"),
         ("0,1\n1,2\n", (0, 2), r"no column 2: rows have 2, counted from 0"),
         ("0,1\n1,2\n", (0, -3), r"no column -3: rows have 2"),
@@ -91,6 +95,10 @@ def test_other_encodings_of_the_header(write):
         "text",
         "text after comments",
         "short row",
+        "shorter row",
+        "infinite",
+        "beyond doubles",
+        "name given twice",
         "one column",
         "too far",
         "too far back",
@@ -105,9 +113,21 @@ def test_faults_are_told(write, text, columns, message):
         read_log(write(text), *columns)
 
 
-def test_columns_of_other_types_are_refused(write):
-    with pytest.raises(TypeError):
-        read_log(write("0,1\n"), 0.5)
+@pytest.mark.parametrize(("name", "columns"), [("time", (1.5, 1)), ("position", (0, None))])
+def test_columns_of_other_types_are_refused(write, name, columns):
+    with pytest.raises(TypeError, match=rf"^{name} = .*: expected the number of a column, from 0"):
+        read_log(write("0,1\n"), *columns)
+
+
+def test_a_name_given_twice_that_is_not_asked_for(write):
+    times, positions = read_log(write("x,t,y,x\n0,1,2,3\n"), "t", "y")
+    assert (times.tolist(), positions.tolist()) == ([1.0], [2.0])
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-32"])
+def test_other_unicode_is_named(write, encoding):
+    with pytest.raises(ValueError, match=r"axis.csv is in UTF-16, or no text: save it as UTF-8$"):
+        read_log(write("t,x\n0,1\n1,2\n", encoding))
 
 
 def test_a_file_that_is_not_there(tmp_path):

@@ -46,7 +46,9 @@ def test_the_notes(readings):
     text = joined(report)
     assert "Conformance of 2500 readings" in text
     assert f"Noise of a reading {report.noise:.3g}, resolution 0.0001" in text
-    assert f"shorter than {report.resolved_time:.3g} may not be seen" in text
+    lasting = f"an excess that lasts a time of less than {report.resolved_time:.3g}"
+    assert f"{lasting} may not be seen" in text
+    assert "No upper end" not in text
     assert re.search(r"Jerk is unreliable: noise alone makes ±\d+ % of the peak used", text)
     assert "tolerance" not in text
     assert "Snap" not in text
@@ -70,6 +72,17 @@ def test_gaps_and_pauses_are_told(readings):
     ends = np.append(later, later[-1] + 50.0 + 0.01 * np.arange(9))
     text = joined(conformance(ends, np.append(positions, np.ones(9)), Limits(1.1)))
     assert "nor of 9 readings in parts too short" in text
+
+
+def test_peaks_without_an_upper_end(readings):
+    times, positions = readings
+    coarse = conformance(times, 0.2 * np.round(positions / 0.2), Limits(1.1, 1.8, 25.0))
+    text = joined(coarse)
+    assert "No upper end can be given for acceleration, jerk: the derivative" in text
+    assert "Snap" not in text
+    [row] = [line for line in lines(coarse) if line.startswith("  jerk")]
+    assert re.search(r" \+∞ ", row)
+    assert row.endswith("cannot tell")
 
 
 def test_long_numbers_stay_whole(readings):

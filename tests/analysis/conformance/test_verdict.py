@@ -94,6 +94,71 @@ def test_a_jump_of_acceleration_breaks_any_jerk():
     assert report.kept is False
 
 
+def rested(move, step):
+    times = np.arange(-0.5, move.duration + 0.5, step)
+    return times, move(np.clip(times, 0.0, move.duration))
+
+
+def test_readings_of_few_counts_tell_nothing_of_jerk():
+    move = min_time_move(5.0, Limits(velocity=3.0, acceleration=4.0, jerk=60.0))
+    times, positions = rested(move, 0.01)
+    report = conformance(
+        times, 0.5 * np.round(positions / 0.5), Limits(2.0, 3.0, 20.0), resolution=0.5
+    )
+    assert [peak.verdict for peak in report.peaks] == ["cannot tell"] * 3
+    assert report.peaks[2].most == inf
+    assert report.kept is None
+
+
+HASTY = {
+    "jerk 40": (3.0, 4.0, 40.0),
+    "jerk 100": (3.0, 4.0, 100.0),
+    "jerk 400": (3.0, 4.0, 400.0),
+    "velocity steps": (3.0, 300.0, 1e5),
+    "position steps": (100.0, 1e5, 1e8),
+}
+
+
+@pytest.mark.parametrize("bounds", HASTY.values(), ids=HASTY)
+def test_what_exceeds_a_limit_by_half_is_never_called_kept(bounds):
+    """Its upper end would lie below two thirds of the true peak; the limit then in between."""
+    move = min_time_move(5.0, Limits.from_bounds(bounds))
+    rng = np.random.default_rng(7)
+    for step in (0.003, 0.01, 0.05):
+        times, positions = rested(move, step)
+        for size in (0.001, 0.05, 0.1, 0.5):
+            counts = size * np.round(positions / size)
+            logs = [
+                (positions + size * rng.standard_normal(len(times)), None),
+                (counts, None),
+                (counts, size),
+                (counts, 100.0),
+            ]
+            for readings, resolution in logs:
+                peaks = conformance(times, readings, NONE, resolution=resolution).peaks
+                for k in (1, 2, 3):
+                    assert peaks[k - 1].most > move.peak(k) / 1.5, (step, size, resolution, k)
+
+
+def test_good_logs_are_called_kept():
+    for bounds in ((3.0, 4.0, 20.0), (3.0, 4.0, 60.0), (1.0, 2.0, 20.0)):
+        move = min_time_move(5.0, Limits.from_bounds(bounds))
+        times, positions = rested(move, 0.001)
+        readings = 1e-5 * np.round(positions / 1e-5)
+        allowed = Limits(1.1 * bounds[0], 1.1 * bounds[1], 2.0 * bounds[2])
+        report = conformance(times, readings, allowed, resolution=1e-5)
+        assert [peak.verdict for peak in report.peaks] == ["kept"] * 3, (bounds, str(report))
+
+
+def test_constant_velocity_keeps_velocity_and_acceleration_only():
+    times = np.arange(0.0, 10.0, 0.01)
+    noise = 1e-5 * np.random.default_rng(0).standard_normal(len(times))
+    moving = conformance(times, times + noise, Limits(1.1, 1.0, 100.0))
+    assert [peak.verdict for peak in moving.peaks] == ["kept", "kept", "cannot tell"]
+    resting = conformance(times, noise, Limits(0.1))
+    assert resting.kept is True
+
+
 def test_directions_apart():
     move = min_time_move(1.0, Limits(velocity=2.0, acceleration=(-4.0, 8.0), jerk=200.0))
     times, positions, _ = encoder_log(move, 1, "fine noise", count=3000)

@@ -104,13 +104,13 @@ def content(**entry: object) -> dict[str, object]:
         ("<<<<<<< HEAD\n{}", "not JSON: Expecting value: line 1 column 1 (char 0); name"),
         ("[" * 99999, "not readable JSON: a number of thousands of digits or brackets nested too"),
         ("9" * 9999, "not readable JSON: a number of thousands of digits or brackets nested too"),
-        ([], "is no baseline; name a baseline (JSON), as jounce check --update writes it"),
-        ({"numbers": {}}, "is no baseline; name a baseline (JSON), as jounce check --update wr"),
+        ([], "is no baseline; name a baseline (JSON), or delete the file and store anew with"),
+        ({"numbers": {}}, "is no baseline; name a baseline (JSON), or delete the file and stor"),
         (content() | {"jounce_baseline": 2}, "jounce_baseline: 2 is a layout that this version"),
         (content() | {"jounce_baseline": True}, "jounce_baseline: true is a layout that this vers"),
-        (content() | {"scenario": 3}, "scenario: 3 is not text; delete the file and store the ba"),
-        (content() | {"numbers": 3}, "numbers: 3 is not a table; delete the file and store the ba"),
-        (content() | {"numbers": {}}, "numbers: holds none; delete the file and store the baseli"),
+        (content() | {"scenario": 3}, "scenario: 3 is not text; delete the file and store anew w"),
+        (content() | {"numbers": 3}, "numbers: 3 is not a table; delete the file and store anew w"),
+        (content() | {"numbers": {}}, "numbers: holds none; delete the file and store anew with -"),
         ({"jounce_baseline": 1}, "numbers: None is not a table; delete the file and store"),
         (content() | {"numbers": {"x": 3}}, "numbers.x: 3 is not a table; delete the file"),
         (content(value=math.nan), "numbers.margins.x: value = nan is not a finite number; delete"),
@@ -123,13 +123,14 @@ def content(**entry: object) -> dict[str, object]:
         (content(rtol="left out"), "numbers.margins.x: rtol is missing; delete the file and store"),
         (content(rtol=None), "numbers.margins.x: rtol = None is not a number not below zero; dele"),
         (content(atol=-1.0), "numbers.margins.x: atol = -1.0 is not a number not below zero; dele"),
-        (content(tol=1), "numbers.margins.x: 'tol' is not known; delete the file and store the"),
+        (content(tol=1), "numbers.margins.x: 'tol' is not known; delete the file and store anew"),
     ],
     ids=range(24),
 )  # fmt: skip
 def test_a_broken_file_is_explained(tmp_path, broken, line):
     (problem,) = problems(write(tmp_path, broken))
     assert line in problem
+    assert problem.endswith("delete the file and store anew with --update")
 
 
 def test_every_problem_is_reported(tmp_path):
@@ -144,13 +145,24 @@ def test_every_problem_is_reported(tmp_path):
 @pytest.mark.parametrize("name", ["", "absent.json", "a\0b"])
 def test_paths_that_are_no_file_are_explained(tmp_path, name):
     (problem,) = problems(tmp_path / name)
-    assert problem.endswith("; name a baseline (JSON), as jounce check --update writes it")
+    assert problem.endswith("; name a baseline (JSON), or store one with --update")
 
 
 def test_text_that_is_not_utf_8_is_explained(tmp_path):
     path = tmp_path / "case.json"
     path.write_bytes(b'{"caf\xe9": 1}')
-    assert problems(path) == ["byte 5 is not UTF-8; save the file as UTF-8 text"]
+    assert problems(path) == [
+        "byte 5 is not UTF-8; save the file as UTF-8 text, or delete the file and store anew with "
+        "--update"
+    ]
+
+
+def test_a_merge_conflict_says_how_to_get_out_of_it(tmp_path):
+    lines = BASELINE.text().splitlines(keepends=True)
+    conflict = ["<<<<<<< HEAD\n", lines[3], "=======\n", lines[3], ">>>>>>> other\n"]
+    (problem,) = problems(write(tmp_path, "".join(lines[:3] + conflict + lines[4:])))
+    assert problem.startswith("not JSON: ")
+    assert problem.endswith("delete the file and store anew with --update")
 
 
 @pytest.mark.parametrize(
@@ -165,3 +177,4 @@ def test_another_origin_is_refused(scenario, unit, words):
     with pytest.raises(CheckError) as refusal:
         check_origin(BASELINE, Path("b.json"), scenario, unit)
     assert str(refusal.value).startswith(f"b.json: {words}")
+    assert str(refusal.value).endswith("delete the file and store anew with --update")

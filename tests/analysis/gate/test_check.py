@@ -107,9 +107,37 @@ def test_a_margin_that_nothing_limits_any_more_is_an_improvement(axis):
 def test_a_tolerance_of_the_check_file_lets_a_number_move(axis):
     store(axis)
     change(axis, "5.4 N m s/rad", "5.4001 N m s/rad")
-    assert not check_scenario(axis).passed
-    axis.with_name("axis.check.toml").write_text("rtol = 1e-3\n")
+    failing = check_scenario(axis).failures
+    assert failing
+    entries = [f"{row.name} = {{ rtol = 1e-3 }}\n" for row in failing]
+    axis.with_name("axis.check.toml").write_text("".join(entries))
     assert check_scenario(axis).passed
+
+
+def test_the_tolerance_of_all_numbers_counts_once_it_is_stored(axis):
+    store(axis)
+    axis.with_name("axis.check.toml").write_text("rtol = 1e-3\n")
+    original = axis.read_text()
+    change(axis, "5.4 N m s/rad", "5.4001 N m s/rad")
+    assert not check_scenario(axis).passed
+    axis.write_text(original)
+    store(axis)
+    change(axis, "5.4 N m s/rad", "5.4001 N m s/rad")
+    assert check_scenario(axis).passed
+
+
+def test_a_tolerance_of_all_numbers_does_not_override_a_stored_one(axis):
+    store(axis)
+    path = axis.with_name("axis.baseline.json")
+    tree = json.loads(path.read_text())
+    tree["numbers"]["margins"]["phase_margin_deg"]["rtol"] = 0.5
+    path.write_text(json.dumps(tree))
+    axis.with_name("axis.check.toml").write_text("rtol = 1e-9\n")
+    change(axis, "5.4 N m s/rad", "5.0 N m s/rad")
+    report = check_scenario(axis)
+    assert verdicts(report)["margins.phase_margin_deg"] == "same"
+    assert report.measured.numbers["margins", "phase_margin_deg"].rtol == 0.5
+    assert report.measured.numbers["margins", "disk_margin"].rtol == 1e-9
 
 
 def test_bounds_alone_decide_without_a_baseline(axis):

@@ -70,6 +70,21 @@ def test_bounds_and_tolerances_are_read(write):
     assert checks.of(("margins", "upper_gain_margin_db")) == Requirement()
 
 
+def test_a_bare_name_is_enough_where_one_number_has_it(write):
+    text = "phase_margin_deg = { min = 44 }\nmin = { max = 1 }\n[margins]\n[step]"
+    assert load_checks(write(text), NUMBERS).requirements == {
+        ("margins", "phase_margin_deg"): Requirement(least=44.0),
+        ("moves", "60 arcsec step", "residual_vibration", "min"): Requirement(most=1.0),
+    }
+
+
+def test_a_table_is_no_bare_name(write):
+    """A mode may be called like a table."""
+    numbers = (*NUMBERS, Number(("moves", "go", "residual_vibration", "step"), 1.0, "lower"))
+    checks = load_checks(write("[step]\novershoot_percent = {max = 40}"), numbers)
+    assert set(checks.requirements) == {("step", "overshoot_percent")}
+
+
 @pytest.mark.parametrize("text", ["", "# nothing", "[margins]\n[moves]"])
 def test_a_file_may_ask_nothing(write, text):
     assert load_checks(write(text), NUMBERS) == Checks()
@@ -88,16 +103,20 @@ def test_line_ends_and_byte_order_mark_of_other_platforms(tmp_path):
         ("[margins]\nphase_margin = {min = 4}", "there are phase_margin_deg, upper_gain_margin_db"),
         ("[margins]\nphase_margin = {min = 4}", "; did you mean margins.phase_margin_deg?"),
         ("[margin]\nphase_margin_deg = {min = 4}", "there are margins, step, moves; did you mean"),
-        ("phase_margin_deg = {min = 4}", "there are margins, step, moves; did you mean margins.ph"),
+        ("phase_margin = {min = 4}", "there are margins, step, moves; did you mean phase_margin_d"),
+        ("settling_time_s = {max = 4}", 'write one of moves."60 arcsec step".settling_time_s, mov'),
+        ("phase_margin_deg = 44", "margins.phase_margin_deg: 44 is not a table; write { min = 44"),
+        (f"phase_margin_deg = {{min = 4}}\n{said('max = 9')}", "deg: is given twice, by its whole"),
         ("[step]\nphase_margin_deg = {min = 4}", "there are overshoot_percent; did you mean margi"),
         ("[moves.'60 arcsec stpe']\nx = 1", 'did you mean moves."60 arcsec step"?'),
         ("xyz = 3", "xyz: no number has this name; there are margins, step, moves; remove it"),
         ("atol = 1", "atol: no number has this name; there are margins, step, moves; remove it"),
         ("margins = 3", "margins: 3 is not a table; write margins.phase_margin_deg = { min = 45 }"),
         ("margins = []", "margins: [] is not a table; write margins.phase_margin_deg = { min = 45"),
-        ("[margins]\nphase_margin_deg = 4", "phase_margin_deg: 4 is not a table; write { min = 45"),
-        ("[margins]\nupper_gain_margin_db = 6", "6 is not a table; write { min = 1 }"),
-        ("[step]\novershoot_percent = 4", "overshoot_percent: 4 is not a table; write { max = 39."),
+        ("[margins]\nphase_margin_deg = 4", "margin_deg: 4 is not a table; write { min = 4 }"),
+        ("[margins]\nupper_gain_margin_db = nan", "nan is not a table; write { min = 1 }"),
+        ("[step]\novershoot_percent = 4", "overshoot_percent: 4 is not a table; write { max = 4 }"),
+        ("[step]\novershoot_percent = true", "true is not a table; write { max = 39.8 }"),
         ("[step]\novershoot_percent = {}", "overshoot_percent: is empty; write { max = 39.8 }"),
         (said("mni = 4"), "margins.phase_margin_deg: mni is not known; write some of min, max, rt"),
         (said("min = '4 deg'"), "min = '4 deg' is not a number; write it plain, in the unit of th"),
@@ -113,12 +132,12 @@ def test_line_ends_and_byte_order_mark_of_other_platforms(tmp_path):
         ("[margins", "not TOML: "),
         ("a = " + "9" * 9999, "not readable TOML: a number of thousands of digits or brackets nes"),
     ],
-    ids=range(28),
+    ids=range(32),
 )  # fmt: skip
 def test_a_problem_is_one_line_with_key_value_and_remedy(write, text, line):
     (problem,) = problems(write(text))
     assert line in problem
-    remedies = ("; write ", "; did you mean ", "; remove it", "; exchange them", "; correct")
+    remedies = ("; write ", "; did you mean ", "; remove ", "; exchange them", "; correct")
     assert any(remedy in problem for remedy in remedies)
 
 

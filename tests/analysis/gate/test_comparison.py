@@ -146,7 +146,28 @@ def test_tolerances_come_from_the_check_file_the_baseline_or_the_number():
     assert stored["b",] == Stored(2.0, 0.5, 0.25)
     assert stored["c",] == Stored(2.0, 1e-6, 1e-9)
     stored = measured_baseline(numbers, previous, Checks(1e-3, asked)).numbers
-    assert [stored[name,].rtol for name in "abc"] == [0.1, 1e-3, 1e-3]
+    assert [stored[name,].rtol for name in "abc"] == [0.1, 0.5, 1e-3]
+    assert [stored[name,].atol for name in "abc"] == [0.0, 0.25, 1e-9]
+
+
+@pytest.mark.parametrize(
+    ("own", "stored", "general", "compared", "kept"),
+    [
+        (0.1, 0.5, 1e-3, 0.1, 0.1),
+        (None, 0.5, 1e-3, 0.5, 0.5),
+        (None, 1e-6, 1e-3, 1e-6, 1e-3),
+        (None, 1e-6, None, 1e-6, 1e-6),
+        (0.0, 0.5, 1e-3, 0.0, 0.0),
+    ],
+    ids=["own", "stored", "usual", "none", "own-zero"],
+)
+def test_the_tolerance_nearest_to_the_number_counts(own, stored, general, compared, kept):
+    checks = Checks(general, {KEY: Requirement(rtol=own)})
+    before = Baseline("s", "mm", {KEY: Stored(2.0, stored, 0.0)})
+    number = Number(KEY, 2.0, None)
+    (found,) = compare([number], before, checks)
+    assert found.most - 2.0 == pytest.approx(2.0 * compared)
+    assert measured_baseline([number], before, checks).numbers[KEY].rtol == kept
 
 
 def test_what_does_not_exist_is_stored_as_none():

@@ -9,7 +9,16 @@ import pytest
 
 from jounce.analysis.gate.check import GateReport
 from jounce.analysis.gate.comparison import Row
-from jounce.analysis.gate.formats import github_lines, junit_text, report_text, summary, table_text
+from jounce.analysis.gate.formats import (
+    github_error,
+    github_lines,
+    junit_error,
+    junit_text,
+    report_text,
+    shown_rows,
+    summary,
+    table_text,
+)
 
 INF = math.inf
 SAME = Row(("margins", "disk_margin"), 0.7, 0.7, 0.69, INF, "same")
@@ -18,6 +27,7 @@ BETTER = Row(("step", "overshoot_percent"), 40.0, 39.0, -INF, 40.0, "better")
 NEW = Row(("step", "rise_time_s"), None, 0.1, -INF, INF, "new")
 OUTSIDE = Row(("margins", "phase_margin_deg"), 45.0, 43.0, 44.0, INF, "outside")
 UNCHECKED = Row(("margins", "crossover_hz"), None, 1.0, -INF, INF, "unchecked")
+WITHIN = Row(("step", "settling_time_s"), None, 1.0, -INF, 2.0, "within")
 NAME = WORSE.name
 
 
@@ -46,8 +56,10 @@ def test_a_long_name_is_folded_not_cut():
     ("found", "text"),
     [
         (report(SAME), "Passed: 1 numbers (1 same)"),
-        (report(SAME, WORSE, OUTSIDE), "FAILED: 2 of 3 numbers (1 outside, 1 worse, 1 same)\nTo "
+        (report(SAME, WORSE), "FAILED: 1 of 2 numbers (1 worse, 1 same)\nTo "
          "accept what is measured, store it with --update"),
+        (report(SAME, WORSE, OUTSIDE), "FAILED: 2 of 3 numbers (1 outside, 1 worse, 1 same)"),
+        (report(OUTSIDE, NEW), "FAILED: 1 of 2 numbers (1 outside, 1 new)"),
         (report(OUTSIDE), "FAILED: 1 of 1 numbers (1 outside)"),
         (report(SAME, BETTER, NEW), "Passed: 3 numbers (1 better, 1 new, 1 same)\nTo accept what "
          "is measured, store it with --update"),
@@ -56,11 +68,29 @@ def test_a_long_name_is_folded_not_cut():
          "Nothing is stored while a bound of the check file is broken"),
         (report(unstable="axis.toml: UNSTABLE"), "FAILED: axis.toml: UNSTABLE"),
     ],
-    ids=["same", "worse", "outside", "better", "update", "update-outside", "unstable"],
+    ids=["same", "worse", "worse-outside", "new-outside", "outside", "better", "update",
+         "update-outside", "unstable"],
 )  # fmt: skip
 def test_the_summary(found, text):
     assert summary(found) == text
     assert report_text(found).endswith(text)
+
+
+@pytest.mark.parametrize(
+    ("rows", "shown", "line"),
+    [
+        ([SAME, BETTER], [SAME, BETTER], ""),
+        ([SAME, WORSE, BETTER], [WORSE, BETTER], "and 1 number the same (--all shows them)"),
+        ([SAME] * 27 + [WORSE], [WORSE], "and 27 numbers the same (--all shows them)"),
+        ([UNCHECKED, OUTSIDE, WITHIN, UNCHECKED], [OUTSIDE],
+         "and 1 number within bounds, 2 unchecked (--all shows them)"),
+        ([WORSE], [WORSE], ""),
+    ],
+    ids=["passing", "failing", "many", "bounds-alone", "nothing-left-out"],
+)  # fmt: skip
+def test_a_failing_check_shows_what_is_to_be_seen(rows, shown, line):
+    assert shown_rows(report(*rows), everything=False) == (tuple(shown), line)
+    assert shown_rows(report(*rows), everything=True) == (tuple(rows), "")
 
 
 def test_annotations_are_escaped():
@@ -77,6 +107,23 @@ def test_notes_are_one_warning():
     assert line.count("%0A") == 2
     assert "\n" not in line
     assert github_lines(report(BETTER, NEW, update=True)) == []
+
+
+def test_nothing_says_to_store_what_update_would_refuse():
+    for lines in (github_lines(report(OUTSIDE, NEW)), [summary(report(OUTSIDE, NEW, WORSE))]):
+        assert "--update" not in "\n".join(lines)
+    assert "--update" in "\n".join(github_lines(report(WORSE, NEW)))
+
+
+def test_bad_input_is_one_error():
+    assert github_error("a: 5 %\nb") == "::error ::a: 5 %25%0Ab"
+    root = ElementTree.fromstring(junit_error(Path("a folder/axis.toml"), "a <b>\nc"))
+    (suite,) = root
+    assert [suite.get(key) for key in ("tests", "failures", "errors", "skipped")] == list("1010")
+    (case,) = suite
+    assert case.get("classname") == "jounce.check.axis"
+    assert case.find("error").get("type") == "bad input"
+    assert case.find("error").text == case.find("error").get("message") == "a <b>\nc"
 
 
 def test_an_unstable_loop_is_annotated():

@@ -123,8 +123,9 @@ def test_a_scenario_of_an_unstable_loop_is_not_kept(kept, tmp_path):
 def test_a_broken_file_is_explained(kept, content, words):
     kept.path.parent.mkdir()
     kept.path.write_text(content)
-    with pytest.raises(AssertionError, match=rf"{words}(.|\n)*--force-regen"):
+    with pytest.raises(AssertionError, match=rf"{words}(.|\n)*--force-regen") as failure:
         kept(LOOP)
+    assert "--update" not in str(failure.value)  # of another command
 
 
 def test_another_unit_is_told(kept):

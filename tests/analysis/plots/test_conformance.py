@@ -43,6 +43,8 @@ def test_three_panels_with_labels_limits_and_verdicts(report):
     for k, ax in enumerate(figure.axes, start=1):
         dashed = [line.get_ydata()[0] for line in ax.lines if line.get_linestyle() == "--"]
         assert dashed == [side for side in report.limits.bounds(k) if np.isfinite(side)]
+        depth = {line.get_label(): line.get_zorder() for line in ax.lines}
+        assert depth.get("limit", 0.0) < depth["fit"]
     [legend] = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["error bar, 95 %", "fit", "limit"]
     FigureCanvasAgg(figure).draw()

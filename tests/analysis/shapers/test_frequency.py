@@ -120,6 +120,31 @@ def test_the_fft_agrees_as_far_as_it_can_be_trusted(name):
     assert sampled.omega[-1] == pytest.approx(np.pi * 5000.0 / move.duration, rel=1e-3)
 
 
+@pytest.mark.parametrize("share", [1e-3, 0.03, 0.08, 0.15, 0.3, 0.9, 2.0])
+@pytest.mark.parametrize("name", ["ramp", "order 2", "order 3", "order 6"])
+def test_the_fft_errs_by_no_more_than_it_promises(name, share):
+    moves = {
+        "ramp": min_time_move(1.0, Limits(velocity=1.0)),
+        "order 2": random_move(2, 1),
+        "order 3": min_time_move(5.0, Limits(velocity=2.0, acceleration=3.0, jerk=20.0)),
+        "order 6": random_move(6, 2),
+    }
+    move = moves[name]
+    sampled = fft_frequency_response(move, share * move.duration)
+    error = abs(sampled.response - frequency_response(move, sampled.omega).response)
+    known = sampled.omega <= sampled.trusted_omega
+    trusted = sampled.trusted_omega
+    assert trusted == 0.0 or error[known].max() <= 0.01, f"{name}, dt = {share} T"
+    if share == 1e-3 and name != "ramp":
+        assert trusted == pytest.approx(0.1 * np.pi / (share * move.duration))
+
+
+@pytest.mark.parametrize("dt", [1e-9, 1e-300])
+def test_more_samples_than_memory_holds_are_refused(dt):
+    with pytest.raises(ValueError, match=r"more than 1e\+08 points in a move of"):
+        fft_frequency_response(random_move(2, 0), dt)
+
+
 def test_a_single_frequency_and_gains():
     result = frequency_response(min_time_move(2.0, Limits(velocity=1.0)), 0.0)
     assert result.response.shape == result.omega.shape == (1,)

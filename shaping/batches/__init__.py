@@ -1,0 +1,1 @@
+"""Many rest-to-rest moves at once, on arrays."""

@@ -1,0 +1,266 @@
+"""min_time_moves: as the moves one by one, against ruckig and Thompson, and what it takes."""
+
+import os
+import tracemalloc
+from math import inf, nan
+
+import numpy as np
+import pytest
+import ruckig
+from hypothesis import given
+from move_batches import MoveProblem, move_lists, random_moves, together
+from references import UNITS, reference_problems, thompson_order_2, thompson_order_3
+
+from jounce.shaping import Limits, min_time_move
+from jounce.shaping.batches.many_moves import min_time_moves
+
+SLOW = os.environ.get("JOUNCE_TIER") == "slow"
+ORDERS = pytest.mark.parametrize("order", range(1, 7))
+SAME = 1e-12  # relative difference of durations that the README promises
+LIMITS = Limits(2.0, 3.0, 8.0)
+
+
+def durations(problems):
+    """Return the durations of the moves one by one."""
+    return np.array([p.move().duration for p in problems])
+
+
+def assert_same(problems):
+    """Assert that all last as long as they do alone."""
+    found, expected = together(problems).duration, durations(problems)
+    wrong = np.flatnonzero(~(np.abs(found - expected) <= SAME * expected))
+    assert not wrong.size, f"{problems[wrong[0]]}: {found[wrong[0]]} not {expected[wrong[0]]}"
+
+
+# Against others
+
+
+@given(problems=move_lists())
+def test_they_last_as_long_as_alone(problems):
+    assert_same(problems)
+
+
+@ORDERS
+@pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
+@pytest.mark.parametrize("decades", [3.0, 12.0])
+def test_random_ones_last_as_long_as_alone(order, even, decades):
+    count = 20_000 if SLOW else 200
+    assert_same(random_moves((1, order, even), order, count, decades=decades, even=even))
+
+
+def test_order_3_lasts_as_long_as_ruckig_says():
+    problems = random_moves(2, 3, 20_000 if SLOW else 1_000)
+    problem, trajectory, planner = ruckig.InputParameter(1), ruckig.Trajectory(1), ruckig.Ruckig(1)
+    batch = together(problems)
+    for one, duration in zip(problems, batch.duration, strict=True):
+        (_, velocity), (_, acceleration), (_, jerk) = one.bounds
+        problem.current_position, problem.target_position = [0.0], [one.distance]
+        problem.max_velocity, problem.max_acceleration = [velocity], [acceleration]
+        problem.max_jerk = [jerk]
+        planner.calculate(problem, trajectory)
+        assert duration == pytest.approx(trajectory.duration, rel=SAME), one
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_they_are_thompsons(order):
+    rng = np.random.default_rng(order)
+    distances, *bounds = 10.0 ** rng.uniform(-2.0, 2.0, (order + 1, 400))
+    thompson = thompson_order_2 if order == 2 else thompson_order_3
+    cases = [thompson(*numbers) for numbers in zip(distances, *bounds, strict=True)]
+    found = min_time_moves(distances, np.transpose(bounds)).duration
+    np.testing.assert_allclose(found, [case.duration for case in cases], rtol=SAME)
+    assert len({case.case for case in cases}) == (2 if order == 2 else 4)
+
+
+@pytest.mark.parametrize("order", range(4, 7))
+def test_durations_lie_between_proof_and_recursion(order):
+    problems = [p for p in reference_problems() if p.order == order]
+    found = min_time_moves([p.distance for p in problems], [p.bounds for p in problems]).duration
+    for problem, duration in zip(problems, found, strict=True):
+        assert problem.lower * (1.0 - 1e-9) <= duration <= problem.recursion * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("order", [8, 10, 14])
+def test_high_orders(order):
+    assert_same(random_moves(order, order, 4))
+
+
+# Identities
+
+
+@given(problems=move_lists(decades=3.0))
+def test_the_opposite_moves_last_as_long(problems):
+    mirrored = [
+        MoveProblem(-p.distance, p.start, tuple((-high, -low) for low, high in p.bounds))
+        for p in problems
+    ]
+    np.testing.assert_array_equal(together(mirrored).duration, together(problems).duration)
+
+
+@given(problems=move_lists(decades=3.0))
+def test_run_backwards_they_last_as_long(problems):
+    """Backwards in time even derivatives keep their sign, and the distance does not."""
+    backwards = [
+        MoveProblem(
+            -p.distance,
+            p.start,
+            tuple((-high, -low) if k % 2 else (low, high)
+                  for k, (low, high) in enumerate(p.bounds, start=1)),
+        )
+        for p in problems
+    ]  # fmt: skip
+    if len(problems[0].bounds) > 3:  # there the smaller bounds of each pair count
+        backwards = [MoveProblem(p.distance, p.start, p.bounds) for p in problems]
+    np.testing.assert_allclose(
+        together(backwards).duration, together(problems).duration, rtol=SAME, err_msg=repr(problems)
+    )
+
+
+@ORDERS
+@pytest.mark.parametrize(("distance", "time"), [(1e-9, 1.0), (1e9, 1.0), (1.0, 1e9), (1e6, 1e-6)])
+def test_units_do_not_matter(order, distance, time):
+    problems = random_moves((3, order), order, 300, even=order != 3)
+    factors = [distance / time**k for k in range(1, order + 1)]
+    scaled = [
+        MoveProblem(
+            p.distance * distance,
+            p.start * distance,
+            tuple((low * f, high * f) for (low, high), f in zip(p.bounds, factors, strict=True)),
+        )
+        for p in problems
+    ]
+    expected = together(problems).duration * time
+    np.testing.assert_allclose(together(scaled).duration, expected, rtol=UNITS)
+
+
+@ORDERS
+def test_a_longer_distance_takes_longer(order):
+    [problem] = random_moves((4, order), order, 1)
+    found = min_time_moves(np.geomspace(1e-6, 1e6, 1000), problem.limits).duration
+    assert (np.diff(found) > 0.0).all(), problem
+
+
+@ORDERS
+@pytest.mark.parametrize("count", [1, 2, 8191, 8192, 8193])
+def test_neighbours_do_not_matter(order, count):
+    problems = random_moves((5, order), order, 61)
+    bounds, which = np.array([p.bounds for p in problems]), np.arange(count) % 61
+    distances = np.array([p.distance for p in problems])
+    found = min_time_moves(distances[which], bounds[which]).duration
+    few = min_time_moves(distances, bounds).duration[which]
+    np.testing.assert_allclose(found, few, rtol=4e-16)
+
+
+# What may be given
+
+
+def test_all_ways_to_give_limits_are_the_same():
+    v, a, j = np.array([[2.0, 1.0, inf], [3.0, inf, 5.0], [8.0, 9.0, 10.0]])
+    table = np.stack([v, a, j], axis=1)
+    expected = [
+        min_time_move(r, Limits.from_bounds(row)).duration
+        for r, row in zip([1.0, -2.0, 0.5], table, strict=True)
+    ]
+    for limits in (
+        table,
+        table.tolist(),
+        np.stack([-table, table], axis=-1),
+        {"velocity": v, "acceleration": a, "jerk": j},
+        {1: v, 3: j.tolist(), "acceleration": (-a, a)},
+        {"velocity": (-v, v), "acceleration": a, "jerk": j, "snap": inf, "pop": None},
+    ):
+        found = min_time_moves([1.0, -2.0, 0.5], limits)
+        assert found.order == 3
+        np.testing.assert_allclose(found.duration, expected, rtol=1e-15)
+
+
+def test_arrays_broadcast():
+    assert min_time_moves(1.0, LIMITS).duration.shape == (1,)
+    assert min_time_moves([], LIMITS).duration.shape == (0,)
+    assert min_time_moves([1.0, 2.0], LIMITS).duration.shape == (2,)
+    assert min_time_moves(1.0, {"velocity": [1.0, 2.0, 4.0]}).duration.tolist() == [1.0, 0.5, 0.25]
+    grid = min_time_moves([[1.0], [2.0]], {"velocity": [1.0, 2.0, 4.0]})
+    assert grid.duration.tolist() == [[1.0, 0.5, 0.25], [2.0, 1.0, 0.5]]
+    assert min_time_moves(1.0, LIMITS, start=[3.0, 4.0]).starts.tolist() == [3.0, 4.0]
+
+
+def test_a_sweep_of_more_than_one_chunk_broadcasts():
+    v, j = np.geomspace(0.1, 10.0, 130)[:, None], np.geomspace(1.0, 1e3, 140)
+    found = min_time_moves(3.0, {"velocity": v, "jerk": j}).duration
+    assert found.shape == (130, 140)
+    flat = np.broadcast_arrays(v, j)
+    bounds = {"velocity": flat[0].ravel(), "jerk": flat[1].ravel()}
+    np.testing.assert_allclose(found.ravel(), min_time_moves(3.0, bounds).duration, rtol=1e-15)
+    assert found[77, 3] == pytest.approx(min_time_move(3.0, Limits(v[77, 0], jerk=j[3])).duration)
+
+
+@ORDERS
+def test_zero_distances_are_points(order):
+    [problem] = random_moves((6, order), order, 1)
+    found = min_time_moves([0.0, 1.0, -0.0], problem.limits, start=2.0)
+    assert found.duration[[0, 2]].tolist() == [0.0, 0.0]
+    assert found.duration[1] > 0.0
+    assert found.pieces().durations[[0, 2]].max() == 0.0
+    np.testing.assert_array_equal(found([-1.0, 0.0, 1.0])[[0, 2]], 2.0)
+
+
+def test_the_given_arrays_are_copied():
+    distances, bounds, start = np.ones(2), np.ones(2), np.zeros(2)
+    batch = min_time_moves(distances, {"velocity": bounds}, start=start)
+    for array in (distances, bounds, start):
+        array += 1.0
+    assert (batch.distances.tolist(), batch.starts.tolist()) == ([1.0, 1.0], [0.0, 0.0])
+    assert batch.peak("velocity").tolist() == [1.0, 1.0]
+
+
+def test_numbers_in_one_direction_are_enough_where_they_are_needed():
+    assert min_time_moves([1.0, 2.0], Limits(velocity=(-inf, 4.0))).duration.tolist() == [0.25, 0.5]
+    found = min_time_moves([1.0, -1.0], Limits(1.0, 1.0, 1.0, (-inf, 1.0)))
+    assert found.duration[0] == pytest.approx(found.duration[1], rel=1e-15)
+    assert min_time_moves([0.0, 4.0], {"velocity": [inf, 2.0]}).duration.tolist() == [0.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"distances": [1.0, nan]}, r"^distances must be finite: distances\[1\] = nan"),
+        (
+            {"distances": [[1.0, 2.0], [inf, 1.0]]},
+            r"^distances must be .*: distances\[1, 0\] = inf",
+        ),
+        ({"start": [0.0, -inf]}, r"^start must be finite: start\[1\] = -inf"),
+        ({"start": [0.0, 1.0, 2.0]}, r"^distances of shape \(2,\), start of shape \(3,\) and"),
+        ({"limits": np.ones((3, 2))}, r"limits of shape \(3,\) do not fit: expected shapes that"),
+        ({"limits": {"velocity": np.ones(2), "jerk": np.ones(4)}}, r"shape \(2,\), \(4,\) do not"),
+        ({"limits": Limits.from_bounds([1.0] * 15)}, "^limits of order 15: expected at most 14"),
+        ({"limits": {"jerk": [1.0, inf]}}, r"^jerk of move 1 has no limit .* expected a finite"),
+        ({"limits": Limits(velocity=(-1.0, inf))}, r"^velocity of move 0 has no limit"),
+        ({"limits": Limits(1.0, (-1.0, inf))}, r"^acceleration of move 0 has no limit"),
+        ({"distances": [1.0, 1e308], "limits": Limits(1e-9)}, r"state of move 1 leaves the range"),
+        ({"distances": [[1.0, 1e-308]], "limits": Limits(pop=1e300)}, r"of move 0, 1 leaves the"),
+    ],
+)
+def test_what_does_not_fit_is_refused(changes, message):
+    given = {"distances": [1.0, -2.0], "limits": LIMITS, "start": 0.0, **changes}
+    with pytest.raises(ValueError, match=message):
+        min_time_moves(given["distances"], given["limits"], start=given["start"])
+
+
+# Memory
+
+
+@pytest.mark.parametrize(("order", "bytes_each"), [(3, 16), (4, 17)])
+def test_a_batch_keeps_as_much_memory_as_documented(order, bytes_each):
+    count = 200_000
+    limits = Limits.from_bounds([2.0, 3.0, 8.0, 40.0][:order])
+    distances = np.linspace(-1.0, 1.0, count)
+    min_time_moves(distances[:9], limits)
+    tracemalloc.start()
+    try:
+        batch = min_time_moves(distances, limits)
+        kept, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert len(batch) == count
+    assert kept <= bytes_each * count + 50_000
+    assert most <= kept + 2_500_000

@@ -1,0 +1,238 @@
+"""MoveBatch: pieces, moves as trajectories, values on a common grid, peaks."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from move_batches import as_trajectory, move_lists, random_moves, together
+from references import BOUND, CONTINUITY, END_POSITION, joint_gaps
+
+from jounce.shaping import Limits, Trajectory
+from jounce.shaping.batches.many_moves import min_time_moves
+from jounce.shaping.batches.move_batch import MoveBatch
+
+ORDERS = pytest.mark.parametrize("order", range(1, 7))
+LIMITS = Limits(2.0, 3.0, 8.0)
+VALUES = 1e-11  # of a derivative's peak: a break's rounding times the next derivative
+
+
+def assert_close(values, move, t, text):
+    """Assert that values (n + 1, T) are a trajectory's, but for the jumping derivative n."""
+    expected = move.evaluate(t)
+    for k in range(max(1, move.order)):
+        scale = move.peak(k)
+        np.testing.assert_allclose(
+            values[k], expected[k], rtol=0, atol=VALUES * scale, err_msg=f"{text}: derivative {k}"
+        )
+
+
+# Pieces
+
+
+@ORDERS
+@pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
+def test_pieces_make_a_sound_trajectory(order, even):
+    problems = random_moves((1, order), order, 8, even=even)
+    batch = together(problems)
+    for i, problem in enumerate(problems):
+        move = as_trajectory(batch, i)
+        assert move.duration == batch.duration[i]
+        assert move.violation(problem.limits) <= BOUND, problem
+        assert max(joint_gaps(move)) <= 10 * CONTINUITY, problem
+        end = problem.start + problem.distance
+        assert abs(move(move.end_time) - end) <= END_POSITION * (abs(end) + abs(problem.start))
+        np.testing.assert_array_equal(move.start_state[:-1], [problem.start, *[0.0] * (order - 1)])
+
+
+@given(problems=move_lists(decades=12.0))
+def test_pieces_keep_their_bounds_and_add_up(problems):
+    batch = together(problems)
+    breaks, durations, states = batch.pieces()
+    assert (np.diff(breaks) >= 0.0).all()
+    np.testing.assert_array_equal(breaks[:, -1], batch.duration)
+    np.testing.assert_allclose(durations.sum(axis=1), batch.duration, rtol=1e-13)
+    for problem, rows in zip(problems, states, strict=True):
+        for k, (low, high) in enumerate(problem.bounds, start=1):
+            assert rows[:, k].max() <= high * (1.0 + BOUND), problem
+            assert rows[:, k].min() >= low * (1.0 + BOUND), problem
+
+
+@ORDERS
+def test_pieces_take_as_much_memory_as_documented(order):
+    """Of the recursive S-curve, which has most of them; other forms leave some empty."""
+    limits = Limits.from_bounds([0.1 * 10.0**k for k in range(order)])
+    pieces = min_time_moves(np.geomspace(1e-6, 1e6, 50), limits).pieces()
+    m = pieces.durations.shape[1]
+    assert m <= 2**order - 1
+    assert sum(array.nbytes for array in pieces) == 50 * 8 * ((m + 1) + m + m * (order + 1))
+
+
+# As trajectories
+
+
+@given(problems=move_lists(decades=3.0))
+def test_each_is_the_move_alone(problems):
+    batch = together(problems)
+    for i, problem in enumerate(problems):
+        move, alone = batch[i], problem.move()
+        assert isinstance(move, Trajectory)
+        assert move.duration == pytest.approx(alone.duration, rel=1e-12, abs=0.0), problem
+        np.testing.assert_array_equal(move.end_state, alone.end_state)
+        assert_close(move.evaluate(alone.breaks), alone, alone.breaks, problem)
+
+
+def test_moves_are_counted_as_in_numpy():
+    batch = min_time_moves([1.0, 2.0, 3.0], LIMITS, start=[0.0, 10.0, 20.0])
+    assert batch[-1].end_state[0] == 23.0
+    assert [move.end_state[0] for move in batch] == [1.0, 12.0, 23.0]
+    with pytest.raises(IndexError):
+        batch[3]
+    assert len(batch) == 3
+    assert repr(batch) == "MoveBatch(shape=(3,), order=3)"
+
+
+@pytest.mark.parametrize("order", [3, 5])
+@pytest.mark.parametrize("limits", ["one", "each"])
+def test_an_index_makes_a_smaller_batch(order, limits):
+    problems = random_moves((2, order), order, 7)
+    batch = together(problems)
+    if limits == "one":
+        batch = min_time_moves(batch.distances, problems[0].limits, start=batch.starts)
+    t = np.linspace(0.0, 2.0, 11)
+    for index in (slice(2, 5), [4, 0], np.arange(7) % 2 == 0, slice(None, None, -3), slice(0, 0)):
+        some = batch[index]
+        assert isinstance(some, MoveBatch)
+        np.testing.assert_array_equal(some.duration, batch.duration[index])
+        np.testing.assert_allclose(some(t), batch(t)[index], rtol=1e-14, atol=1e-14)
+        np.testing.assert_allclose(some.peak(order), batch.peak(order)[index], rtol=1e-14)
+
+
+def test_grids_of_moves():
+    v, j = [[1.0], [2.0], [3.0]], [5.0, 50.0]
+    grid = min_time_moves(-4.0, {"velocity": v, "jerk": j}, start=1.0)
+    assert (grid.shape, grid.order, len(grid)) == ((3, 2), 3, 3)
+    alone = grid[2, 1]
+    assert isinstance(alone, Trajectory)
+    assert alone.peak("velocity") == grid.peak("velocity")[2, 1] == 3.0
+    assert grid[1].shape == (2,)
+    assert grid.pieces().states.shape == (3, 2, 7, 4)
+    times, states = grid.sample(0.1)
+    assert states.shape == (4, 3, 2, len(times))
+    assert_close(states[:, 2, 1], alone, times, "grid")
+
+
+def test_the_arrays_are_read_only():
+    batch = min_time_moves([1.0, 2.0], [[1.0, 2.0], [2.0, 2.0]])
+    for array in (batch.duration, batch.distances, batch.starts, batch.limits.rising[0]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    with pytest.raises(AttributeError):
+        batch.duration = batch.starts
+
+
+# Values
+
+
+@ORDERS
+@pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
+def test_values_are_those_of_the_moves(order, even):
+    problems = random_moves((3, order), order, 12, even=even)
+    batch = together(problems)
+    t = np.linspace(-0.1, 1.1, 77) * np.median(batch.duration)
+    values = batch.evaluate(t)
+    assert values.shape == (order + 1, 12, 77)
+    for i, problem in enumerate(problems):
+        assert_close(values[:, i], problem.move(), t, problem)
+    for k in range(order + 1):
+        np.testing.assert_array_equal(batch(t, k), values[k])
+    np.testing.assert_array_equal(batch.evaluate(t, 1), values[:2])
+    assert not batch(t, order + 1).any()
+
+
+@given(problems=move_lists(decades=2.0))
+def test_values_at_rest(problems):
+    """Before the start and from the end on, exactly."""
+    batch = together(problems)
+    before, after = -1e-9, batch.duration.max() + 1e-9
+    values = batch.evaluate([before, after])
+    np.testing.assert_array_equal(values[0, :, 0], batch.starts)
+    np.testing.assert_array_equal(values[0, :, 1], batch.starts + batch.distances)
+    np.testing.assert_array_equal(values[1:], 0.0)
+    for i, duration in enumerate(batch.duration):
+        end = batch.evaluate(duration)[:, i]
+        assert end[0] == batch.starts[i] + batch.distances[i]
+        np.testing.assert_array_equal(end[1:], 0.0)
+
+
+def test_times_in_any_order_and_shape():
+    batch = together(random_moves(4, 3, 5))
+    t = np.random.default_rng(4).uniform(-0.2, 3.0, (6, 7))
+    values = batch.evaluate(t)
+    assert values.shape == (4, 5, 6, 7)
+    t_sorted = np.sort(t.ravel())
+    order = np.argsort(t.ravel())
+    np.testing.assert_array_equal(values.reshape(4, 5, -1)[..., order], batch.evaluate(t_sorted))
+    assert batch(0.5).shape == (5,)
+    assert batch.evaluate([]).shape == (4, 5, 0)
+    assert batch(t, 9).shape == (5, 6, 7)
+
+
+@pytest.mark.parametrize("order", [3, 4])
+def test_samples_end_with_the_longest(order):
+    problems = random_moves((5, order), order, 6)
+    batch = together(problems)
+    longest = int(np.argmax(batch.duration))
+    times, states = batch.sample(batch.duration.max() / 10.5)
+    expected, alone = batch[longest].sample(batch.duration.max() / 10.5)
+    np.testing.assert_allclose(times, expected, rtol=1e-14)
+    assert states.shape == (order + 1, 6, 12)
+    np.testing.assert_array_equal(states[:, longest, -1], alone[:, -1])
+    end = [p.start + p.distance for p in problems]
+    np.testing.assert_array_equal(states[0, :, -1], end)
+    np.testing.assert_array_equal(batch.sample(batch.duration.max() / 10.5, "velocity")[1],
+                                  states[:2])  # fmt: skip
+    assert len(batch.sample(batch.duration.max() / 8.0)[0]) == 9
+
+
+def test_samples_of_nothing():
+    times, states = min_time_moves([0.0, 0.0], LIMITS, start=3.0).sample(0.1)
+    assert (times.tolist(), states[0].tolist()) == ([0.0], [[3.0], [3.0]])
+    empty = min_time_moves([], LIMITS)
+    assert empty.sample(0.1)[1].shape == (4, 0, 1)
+    assert empty.pieces().states.shape == (0, 7, 4)
+    assert empty.peak("jerk").shape == (0,)
+
+
+# Peaks
+
+
+@ORDERS
+@pytest.mark.parametrize("decades", [3.0, 12.0])
+def test_peaks_are_those_of_the_moves(order, decades):
+    problems = random_moves((6, order), order, 40, decades=decades, even=order != 2)
+    batch = together(problems)
+    for k in range(order + 2):
+        expected = [batch[i].peak(k) for i in range(40)]
+        np.testing.assert_allclose(batch.peak(k), expected, rtol=1e-13, err_msg=f"derivative {k}")
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda batch: batch.sample(0.0), "dt = 0.0: expected a positive, finite number"),
+        (lambda batch: batch.sample(1e-9), "values: expected at most 1e+09; use a larger dt"),
+        (lambda batch: batch.sample(0.1, "snap"), "highest = 'snap': expected at most 3"),
+        (lambda batch: batch.evaluate(0.0, 4), "highest = 4: expected at most 3"),
+        (lambda batch: batch([0.0, np.nan]), "times must be finite"),
+        (lambda batch: batch(0.0, "speed"), "unknown derivative 'speed'"),
+        (lambda batch: batch.peak(-1), "derivative -1: expected 0"),
+    ],
+    ids=["dt", "too many", "snap", "4", "nan", "speed", "-1"],
+)
+def test_what_is_refused(call, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        call(min_time_moves([1.0, 2.0], LIMITS))
