@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -156,14 +156,20 @@ def plan_command(
         int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
     ] = None,
     start: Annotated[str | None, typer.Option(help="Position at the start.")] = None,
+    optimal: Annotated[
+        bool, typer.Option("--optimal", help="From order 4 on: faster than the closed forms.")
+    ] = False,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
+    ] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
     ] = None,
 ) -> None:
-    """Plan the fastest closed-form move between rests and print its switch table."""
+    """Plan the fastest move between rests and print its switch table."""
     from .plan import plan_move
-    from .report import plan_tables
+    from .report import certificate_table, plan_tables
 
     _refuse_extra([distance, *context.args])
     named = (velocity, acceleration, jerk, snap, crackle, pop)
@@ -173,9 +179,15 @@ def plan_command(
         if k in bounds:
             raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
         bounds[k] = quantity
-    plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order)
+    method: Literal["optimal", "closed-form"] = "optimal" if optimal else "closed-form"
+    plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order, method=method)
+    proofs = []
+    if certify:
+        from ..shaping import certify as prove
+
+        proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     _write_plan(plan, csv, plot)
-    _print(*plan_tables(plan))
+    _print(*plan_tables(plan), *proofs)
     for path in (csv, plot):
         if path is not None:
             _print(f"Wrote {path}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
+from typing import Literal
 
 from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
@@ -46,8 +47,9 @@ def plan_move(
     start: str | None = None,
     rise_time: str | None = None,
     order: int | None = None,
+    method: Literal["optimal", "closed-form"] = "closed-form",
 ) -> Plan:
-    """Plan the fastest closed-form move between rests.
+    """Plan the fastest move between rests.
 
     Parameters
     ----------
@@ -62,6 +64,8 @@ def plan_move(
         Rise time of acceleration, in place of a bound on derivative `order`.
     order : int, optional
         Needed with `rise_time`, 3 or more.
+    method : "closed-form" or "optimal", optional
+        As in `min_time_move`.
 
     Raises
     ------
@@ -88,7 +92,8 @@ def plan_move(
         )
     highest = max(values)
     limits = Limits.from_bounds(values.get(k, inf) for k in range(1, highest + 1))
-    return Plan(min_time_move(length, limits, start=origin), limits, unit_of(distance))
+    move = min_time_move(length, limits, start=origin, method=method)
+    return Plan(move, limits, unit_of(distance))
 
 
 def derivative_key(text: str) -> int:

@@ -12,6 +12,7 @@ from rich.text import Text
 from ..shaping.derivatives import derivative_name
 
 if TYPE_CHECKING:
+    from ..shaping import Certificate
     from .plan import Plan
     from .survey import MoveSurvey, Survey
 
@@ -71,6 +72,20 @@ def survey_data(survey: Survey) -> dict[str, Any]:
 def plan_tables(plan: Plan) -> list[Table]:
     """Return the tables of a planned move: peaks against limits, and the switches."""
     return [_peaks_table(plan), _switch_table(plan)]
+
+
+def certificate_table(plan: Plan, certificate: Certificate) -> Table:
+    """Return the proof of how near a move is to the minimum time, and what each limit costs."""
+    reached = "" if certificate.reached else f" (more than the {certificate.rtol:g} asked for)"
+    table = _table("Proof of minimum time", "", "value")
+    table.add_row("duration", f"{certificate.duration:.10g} s")
+    table.add_row("proven minimum", f"{certificate.lower_bound:.10g} s")
+    table.add_row("gap", f"{100.0 * certificate.gap:.3g} %{reached}")
+    for k, sensitivity in enumerate(certificate.sensitivities, start=1):
+        if isfinite(plan.limits.bounds(k)[1]):
+            saved = f"saves {-sensitivity + 0.0:.2f} %" if sensitivity < -5e-3 else "saves nothing"
+            table.add_row(f"raising {derivative_name(k)} by 1 %", saved)
+    return table
 
 
 def _peaks_table(plan: Plan) -> Table:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from .batches.many_moves import min_time_moves
     from .batches.move_batch import MoveBatch
     from .followers.follower import CommandFollower, FollowerResponse
+    from .optimal.binding import binding_limits
+    from .optimal.certificate import Certificate, certify
+    from .optimal.minimum_time import optimal_move
     from .transfers.batch import TransferBatch, min_time_transfers
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
 
 # Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
 _LATER = {
+    "Certificate": "optimal.certificate",
     "CommandFollower": "followers.follower",
     "FollowerResponse": "followers.follower",
     "InfeasibleError": "transfers.infeasible",
@@ -32,15 +36,19 @@ _LATER = {
     "SCurveMove": "transfers.s_curve",
     "Transfer": "transfers.problem",
     "TransferBatch": "transfers.batch",
+    "binding_limits": "optimal.binding",
+    "certify": "optimal.certificate",
     "min_time_moves": "batches.many_moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "transfers.batch",
+    "optimal_move": "optimal.minimum_time",
     "s_curve_move": "transfers.s_curve",
     "synchronize": "transfers.synchronize",
     "velocity_transfer": "transfers.transfer",
 }
 
 __all__ = [
+    "Certificate",
     "CommandFollower",
     "FilterResponse",
     "FollowerResponse",
@@ -52,12 +60,15 @@ __all__ = [
     "Trajectory",
     "Transfer",
     "TransferBatch",
+    "binding_limits",
     "bound_for_rise_time",
+    "certify",
     "min_jerk_move",
     "min_time_move",
     "min_time_moves",
     "min_time_transfer",
     "min_time_transfers",
+    "optimal_move",
     "perfect_spline",
     "s_curve_move",
     "switch_fractions",

@@ -25,9 +25,9 @@ def min_time_move(
     limits: Limits,
     *,
     start: float = 0.0,
-    method: Literal["closed-form"] = "closed-form",
+    method: Literal["optimal", "closed-form"] = "closed-form",
 ) -> Trajectory:
-    """Return the fastest closed-form move from rest to rest within limits.
+    """Return the move from rest to rest within limits in minimum time, or nearly so from n = 4.
 
     Parameters
     ----------
@@ -37,9 +37,11 @@ def min_time_move(
         Bounds on any of the derivatives 1…n, n ≤ 14; the highest one drives the move.
     start : float, optional
         Position at the start.
-    method : "closed-form"
-        The fastest feasible one of: the perfect spline, the recursive S-curve, recursive
-        S-curves whose innermost ramps are perfect splines, Thompson's longer moves.
+    method : "closed-form" or "optimal", optional
+        "closed-form" (default) is the fastest feasible one of: the perfect spline, the
+        recursive S-curve, recursive S-curves whose innermost ramps are perfect splines,
+        Thompson's longer moves. "optimal" is that or, from n = 4, a linear program's motion
+        where it is faster.
 
     Returns
     -------
@@ -53,16 +55,24 @@ def min_time_move(
         bound that is missing in the direction that the move needs, or a duration outside the
         range of a double.
 
+    Warns
+    -----
+    RuntimeWarning
+        Where "optimal" has to return the closed form: an order above 10, or limits so many
+        decades apart that the linear program fails.
+
     Notes
     -----
-    For n ≤ 3, and wherever only the highest derivative binds (a perfect spline), this is the
-    minimum time. For n ≥ 4 with lower bounds active it can miss the minimum: on the 22 problems
-    of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from rigorous bounds,
-    by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6); the medians are 0.01 %, 0.07 % and
-    0.7 %.
+    For n ≤ 3, and wherever only the highest derivative binds (a perfect spline), both methods
+    give the minimum time. For n ≥ 4 with lower bounds active the closed forms can miss it: on the
+    22 problems of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from
+    rigorous bounds, by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), "optimal" by at
+    most 0.01 %. It takes some tens of milliseconds (a closed form takes less than one), and
+    `certify` proves how near it is.
 
     Bounds that differ between directions are used exactly for n ≤ 3. For n ≥ 4 the smaller
-    magnitude of each pair is used from acceleration upward: feasible, but not the fastest.
+    magnitude of each pair is used from acceleration upward, by "optimal" that of the even
+    derivatives only: feasible, but not the fastest.
 
     End position within 1e-12 of the distance (and rounding of start + distance), every bound
     kept to 1e-12 relative, for orders to 10.
@@ -83,8 +93,8 @@ def min_time_move(
     distance, start = finite("distance", distance), finite("start", start)
     if not isinstance(limits, Limits):
         raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
-    if method != "closed-form":
-        raise ValueError(f"method = {method!r}: expected 'closed-form'")
+    if method not in ("optimal", "closed-form"):
+        raise ValueError(f"method = {method!r}: expected 'optimal' or 'closed-form'")
     if limits.order > MAX_MOVE_ORDER:
         raise ValueError(
             f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
@@ -96,6 +106,10 @@ def min_time_move(
     _check_bounded(forward)
     move = within_range(lambda: _positive_move(abs(distance), limits, forward))
     _check_kept(move, forward)
+    if method == "optimal" and forward.order > 3:
+        from .optimal.minimum_time import faster_or_warn  # which is built on the closed forms
+
+        move = faster_or_warn(move, forward)
     if distance < 0.0:
         move = move.mirror()
     return move.shift(start) if start else move

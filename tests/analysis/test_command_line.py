@@ -118,6 +118,30 @@ def test_plan_takes_a_rise_time(run):
     assert row[1:3] == ["76.8", "76.8"]
 
 
+def test_plan_proves_how_near_the_minimum_time_it_is(run):
+    """Half of the time of an acceleration-limited move hangs on the limit: T = 2√(R/A)."""
+    status, out, errors = run(*MOVE, *LIMIT, "--certify")
+    assert (status, errors) == (0, [])
+    rows = [line.split() for line in out.splitlines()]
+    assert ["duration", "0.5773502692", "s"] in rows
+    assert ["proven", "minimum", "0.5773502692", "s"] in rows
+    assert "raising acceleration by 1 %     saves 0.50 %" in out
+
+
+def test_plan_goes_faster_than_the_closed_forms(run):
+    limits = ("--velocity", "2 deg/s", "--acceleration", "1 deg/s^2", "--jerk", "2 deg/s^3")
+    move = ("plan", "0.5 deg", *limits, "--snap", "8 deg/s^4", "--crackle", "40 deg/s^5")
+    durations = []
+    for options in ((), ("--optimal", "--certify")):
+        status, out, errors = run(*move, *options)
+        assert (status, errors) == (0, [])
+        durations.append(float(out.split("Move of order 5, ")[1].split()[0]))
+    closed, optimal = durations
+    proven = float(out.split("proven minimum")[1].split()[0])
+    assert proven <= optimal < closed * (1 - 1e-3)
+    assert optimal < proven * 1.001
+
+
 def test_plan_cuts_no_number_off(run):
     status, out, _ = run("plan", "60 arcsec", *LIMIT, "--rise-time", "1 s", "--order", "6")
     assert status == 0

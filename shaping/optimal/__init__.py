@@ -1,0 +1,7 @@
+"""Minimum time at any order: motions by linear programming, and proofs of how good they are."""
+
+from .binding import binding_limits
+from .certificate import Certificate, certify
+from .minimum_time import optimal_move
+
+__all__ = ["Certificate", "binding_limits", "certify", "optimal_move"]

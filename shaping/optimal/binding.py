@@ -1,0 +1,54 @@
+"""Which limit holds a motion back, piece by piece."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..checks import positive
+from ..limits import Limits
+from ..pieces import extrema
+from ..trajectory import Trajectory
+
+
+def binding_limits(
+    trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-6
+) -> tuple[tuple[int, ...], ...]:
+    """Return the derivatives that are at a bound all along each piece.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    limits : Limits
+    rtol : float, optional
+        How near to its bound, relative, a derivative counts as at it.
+
+    Returns
+    -------
+    tuple of m tuples of int
+        For each piece the numbers of the derivatives (1 velocity, 2 acceleration, …) that stay
+        at one of their bounds from its start to its end, lowest first; empty where none does,
+        as on a piece on which the input is between its bounds.
+
+    Raises
+    ------
+    ValueError
+        For an rtol that is not positive.
+
+    Examples
+    --------
+    >>> from jounce.shaping import min_time_move
+    >>> limits = Limits(velocity=2.0, acceleration=10.0, jerk=100.0)
+    >>> binding_limits(min_time_move(1.0, limits), limits)
+    ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
+    """
+    rtol = positive("rtol", rtol)
+    held: list[list[int]] = [[] for _ in trajectory.states]
+    for k in range(1, min(limits.order, trajectory.order) + 1):
+        if not held:
+            break
+        low, high = extrema(trajectory.durations, trajectory.states[:, k:].T)
+        lower, upper = limits.bounds(k)
+        at = (low >= upper * (1.0 - rtol)) | (high <= lower * (1.0 - rtol))
+        for i in np.flatnonzero(at):
+            held[i].append(k)
+    return tuple(tuple(derivatives) for derivatives in held)

@@ -1,0 +1,294 @@
+"""How far a move is from the minimum time: a rigorous lower bound, and what each limit costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite
+
+import numpy as np
+
+from ..checks import in_range, positive
+from ..derivatives import derivative_name
+from ..limits import Limits
+from ..moves import min_time_move
+from ..pieces import FloatArray
+from ..rise import spline_divisor
+from ..trajectory import Trajectory
+from .grids import graded_grid, refined
+from .half_problem import HalfProblem, duration_of
+from .minimum_time import improved
+from .multipliers import Multipliers, signed_integrals
+from .relaxation import RelaxedProgram
+from .smoothing import lower_order, relative_width, truncated
+
+_ROUNDING = 1e-12  # of the lower bound, taken off it
+_NEXT_TO_NOTHING = 0.3  # of the gap asked for
+_AT_REST = 1e-9  # of a derivative's peak
+_ROUNDS = 8
+_CELLS = 40
+_MOST_CELLS = 260
+_LOW_ORDER_TARGET = 1e-9
+_PATIENCE = 2
+_STALLED = 0.02  # of the gap: progress in a round below which another is no use
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A proof of how near a move is to the minimum time under its limits.
+
+    Attributes
+    ----------
+    duration : float
+        Of the move.
+    lower_bound : float
+        No motion from rest to rest over this distance within the limits is faster.
+    gap : float
+        duration / lower_bound − 1.
+    sensitivities : tuple of float
+        dT/dL_k·L_k/T of the minimum time, velocity first: −0.2 for jerk says that raising its
+        limit by 1 % saves 0.2 %. Σ_k k·sensitivity_k = −1.
+    rtol : float
+        The gap that was asked for.
+    """
+
+    duration: float
+    lower_bound: float
+    gap: float
+    sensitivities: tuple[float, ...]
+    rtol: float
+
+    @property
+    def reached(self) -> bool:
+        """Whether the gap is as small as was asked for; the bound holds in any case."""
+        return self.gap <= self.rtol
+
+
+def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
+    """Prove how much faster a rest-to-rest move could be at most.
+
+    For any multipliers λ and measures μ_k every motion within the limits has
+
+        R/2 ≤ L_n·∫|p| dt + Σ_k L_k·‖μ_k‖ = Σ_k c_k·L_k·(T/2)^k
+
+    with p the costate that they give (weak duality); the root T is a lower bound. A linear
+    program proposes the multipliers, on grids refined until the gap is at most `rtol` or no
+    longer shrinks; the bound is then evaluated from them alone, in extended precision, with a
+    margin for rounding. No error of the solver can make it wrong.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        From rest to rest, within the limits.
+    limits : Limits
+        Bounds that differ between the directions are taken as they are for odd derivatives, and
+        as their mean for even ones: the bound is then true but need not be near. It is 0 where
+        no derivative is bounded in both directions and velocity not in that of the move.
+    rtol : float, optional
+        Gap to be reached. It cannot be less than what the move itself is slower than need be.
+
+    Returns
+    -------
+    Certificate
+        `reached` tells whether the gap came down to `rtol`.
+
+    Raises
+    ------
+    ValueError
+        For a move that does not start and end at rest, breaks its limits by more than 1e-9 or
+        jumps in a derivative that is bounded, or an rtol that is not positive.
+
+    Notes
+    -----
+    Moves of `optimal_move` of order 4 to 6 come to 1e-5…1e-4. For n ≤ 3 and for perfect splines
+    the gap is that of rounding and of the solver's tolerance, some 1e-9.
+
+    References
+    ----------
+    Weak duality of linear programs in function space; Wang & Hu, arXiv 2311.07039, for the
+    problem.
+
+    Examples
+    --------
+    >>> limits = Limits(velocity=2.0, acceleration=10.0, jerk=100.0)
+    >>> proof = certify(min_time_move(1.0, limits), limits)
+    >>> proof.reached
+    True
+    >>> [round(s, 3) for s in proof.sensitivities]
+    [-0.375, -0.125, -0.125]
+    """
+    rtol = positive("rtol", rtol)
+    if not isinstance(trajectory, Trajectory) or not isinstance(limits, Limits):
+        raise TypeError("expected certify(trajectory, limits) with a Trajectory and Limits")
+    _check(trajectory, limits)
+    distance = float(trajectory.end_state[0] - trajectory.start_state[0])
+    if distance < 0.0:
+        trajectory, limits = trajectory.mirror(), limits.mirror()
+    if distance == 0.0:
+        gap = inf if trajectory.duration > 0.0 else 0.0
+        return Certificate(trajectory.duration, 0.0, gap, (0.0,) * limits.order, rtol)
+    lower, terms = in_range(lambda: _bounds(trajectory, abs(distance), limits, rtol))
+    if not lower > 0.0:
+        return Certificate(trajectory.duration, 0.0, inf, (0.0,) * limits.order, rtol)
+    gap = max(trajectory.duration / lower - 1.0, 0.0)
+    return Certificate(trajectory.duration, lower, gap, _sensitivities(terms, limits), rtol)
+
+
+def _check(trajectory: Trajectory, limits: Limits) -> None:
+    """Refuse a motion that is no rest-to-rest move within the limits."""
+    for side, state in (("start", trajectory.start_state), ("end", trajectory.end_state)):
+        for k in range(1, min(limits.order, trajectory.order)):
+            if abs(float(state[k])) > _AT_REST * trajectory.peak(k):
+                raise ValueError(
+                    f"{derivative_name(k)} is {float(state[k]):g} at the {side}: certify takes "
+                    "moves from rest to rest"
+                )
+    if len(trajectory.states) and trajectory.lowest_jump() < limits.order:
+        jump, highest = derivative_name(trajectory.lowest_jump()), derivative_name(limits.order)
+        raise ValueError(
+            f"{jump} jumps, so that {highest} is unbounded: certify this move under limits up "
+            f"to the derivative after {jump} at most"
+            if jump != "position"
+            else "position jumps: certify takes continuous motions"
+        )
+    excess = trajectory.violation(limits)
+    if excess > _AT_REST:
+        raise ValueError(
+            f"the trajectory exceeds its limits by {excess:.2g} of a bound: certify a move "
+            "within them"
+        )
+
+
+def _bounds(
+    trajectory: Trajectory, distance: float, limits: Limits, rtol: float
+) -> tuple[float, FloatArray]:
+    """Return the best lower bound found and the terms c_k·L_k·(T/2)^k, index k, that make it."""
+    lower, terms = _single_bounds(distance, limits)
+    target = rtol if limits.order > 3 else min(rtol, _LOW_ORDER_TARGET)
+    order = _two_sided(limits)
+    aim = _NEXT_TO_NOTHING * target
+    while order > 1 and trajectory.duration > lower * (1.0 + target):
+        limits = truncated(limits, order)
+        order = lower_order(limits)
+        if order and relative_width(limits, order, trajectory.duration) <= aim:
+            continue
+        found, better = _programmed(trajectory, distance, limits, lower, target)
+        if found > lower:
+            lower, terms[:] = found, 0.0
+            terms[: len(better)] = better
+        gap = trajectory.duration / lower - 1.0
+        if not order or relative_width(limits, order, trajectory.duration) > gap:
+            break
+    return lower, terms
+
+
+def _programmed(
+    trajectory: Trajectory, distance: float, limits: Limits, lower: float, target: float
+) -> tuple[float, FloatArray]:
+    """Return the best bound that linear programs lead to, and its terms; `lower` is one already."""
+    closed = min_time_move(distance, limits, method="closed-form")
+    motion: Trajectory = trajectory
+    same_order = trajectory.order == limits.order
+    if not (same_order and trajectory.duration < closed.duration * (1.0 - _AT_REST)):
+        motion = improved(closed, limits) or closed
+    problem = HalfProblem.make(distance, limits, closed, relaxed=True)
+    unit = closed.duration * (1.0 - _ROUNDING)
+    search = _Search(problem, motion, lower / unit)
+    with np.errstate(all="ignore"):
+        search.run(graded_grid(motion, _CELLS), trajectory.duration / unit, target)
+    return search.best * unit, search.terms
+
+
+def _single_bounds(distance: float, limits: Limits) -> tuple[float, FloatArray]:
+    """Return the longest of the perfect splines of each bound alone."""
+    lower, terms = 0.0, np.zeros(limits.order + 1)
+    for k in range(1, limits.order + 1):
+        low, high = limits.bounds(k)
+        bound = 0.5 * (high - low) if k % 2 == 0 else high if k == 1 else max(-low, high)
+        duration = (distance / bound * spline_divisor(k)) ** (1.0 / k) if isfinite(bound) else 0.0
+        if duration > lower:
+            lower, terms = duration, np.eye(limits.order + 1)[k]
+    return lower * (1.0 - _ROUNDING), terms
+
+
+def _two_sided(limits: Limits) -> int:
+    """Return the highest derivative bounded in both directions."""
+    finite = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    return int(np.flatnonzero(finite)[-1]) + 1 if finite.any() else 0
+
+
+def _sensitivities(terms: FloatArray, limits: Limits) -> tuple[float, ...]:
+    """Return dT/dL_k·L_k/T from R/2 = Σ_k terms[k], of degree k in T each."""
+    k = np.arange(limits.order + 1)
+    return tuple((-terms / (k * terms).sum())[1:].tolist())
+
+
+class _Search:
+    """Better and better multipliers; half durations in the problem's units.
+
+    A motion known to be good shows where: it loses distance against the bound wherever a
+    multiplier is not zero and its bound not active.
+    """
+
+    def __init__(self, problem: HalfProblem, motion: Trajectory, best: float) -> None:
+        self.problem, self.motion, self.best = problem, motion, best
+        self.terms = np.zeros(problem.order + 1)
+
+    def run(self, nodes: FloatArray, half: float, target: float) -> None:
+        """Solve and refine until a half duration is proven to `target`, or no more comes of it."""
+        parts = 3 if self.problem.order < 6 else 2
+        at, idle = half, 0
+        for _ in range(_ROUNDS):
+            multipliers = RelaxedProgram(self.problem, nodes, parts).solve(at)
+            if multipliers is None:
+                return
+            before = half / self.best - 1.0
+            waste, slack = self._take(multipliers, parts)
+            gap = half / self.best - 1.0
+            idle = idle + 1 if before - gap < _STALLED * gap else 0
+            if gap <= target or idle == _PATIENCE:
+                return
+            at = self.best
+            nodes = refined(nodes, multipliers, waste, slack)
+            if len(nodes) > _MOST_CELLS:
+                return
+
+    def _take(self, multipliers: Multipliers, parts: int) -> tuple[FloatArray, FloatArray]:
+        """Evaluate the bound; return what the motion loses against it, see `refined`."""
+        lower, upper = self.problem.lower, self.problem.upper
+        coefficients, rounding = multipliers.costates()
+        up, down = signed_integrals(coefficients, multipliers.cells, rounding)
+        positive, negative = multipliers.masses()
+        worth = np.append(
+            _paid(positive, upper[:-1]) + _paid(negative, -lower[:-1]),
+            float(up.sum()) * upper[-1] - float(down.sum()) * lower[-1],
+        )
+        half = duration_of(worth, 0.5, self.best) * float(multipliers.cells.sum())
+        reached = float((worth * half ** np.arange(len(worth))).sum())
+        if half > self.best and reached <= 0.5 * (1.0 + 0.1 * _ROUNDING):
+            self.best, self.terms = half, worth * half ** np.arange(len(worth))
+        times = np.concatenate([[0.0], np.cumsum(multipliers.cells)])
+        return self._waste(times, np.asarray(up, float), np.asarray(down, float)), self._slack(
+            times, multipliers, parts
+        )
+
+    def _waste(self, times: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
+        middles = 0.25 * (times[1:] + times[:-1]) * self.motion.duration
+        inputs = self.motion(middles, self.problem.order) / self.motion.peak(self.problem.order)
+        return np.asarray(
+            np.maximum(up + down - (up - down) * inputs, 0.0) * self.problem.upper[-1]
+        )
+
+    def _slack(self, times: FloatArray, multipliers: Multipliers, parts: int) -> FloatArray:
+        at = 0.5 * times[::parts] * self.motion.duration
+        lost = np.zeros(len(at))
+        for k in self.problem.relevant():
+            sizes = multipliers.sizes(k, parts)
+            share = np.sign(sizes) * self.motion(at, k) / self.motion.peak(k)
+            lost += np.abs(sizes) * np.maximum(1.0 - share, 0.0) * self.problem.upper[k]
+        halves = 0.5 * lost
+        return np.asarray(halves[1:] + halves[:-1])
+
+
+def _paid(masses: FloatArray, bounds: FloatArray) -> FloatArray:
+    """Return mass times bound, nothing where there is no mass."""
+    return np.where(masses > 0.0, masses * np.where(masses > 0.0, bounds, 0.0), 0.0)

@@ -1,0 +1,134 @@
+"""A linear program over the inputs of the cells, solved by HiGHS, again as its bounds move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..pieces import FloatArray
+
+Range = tuple[float, float]
+
+_TOLERANCE = 1e-9
+_SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
+_SETTINGS: dict[str, bool | int | float | str] = {
+    "output_flag": False,
+    "threads": 1,
+    "presolve": "off",  # takes longer than it saves: the rows are dense
+    "solver": "simplex",
+    "primal_feasibility_tolerance": _TOLERANCE,
+    "dual_feasibility_tolerance": _TOLERANCE,
+    "small_matrix_value": _SMALLEST,
+}
+_OTHER_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
+    {"simplex_strategy": 4},
+    {"simplex_strategy": 1, "presolve": "on"},
+    {"solver": "ipm", "presolve": "on"},
+)
+"""Tried one after the other where the dual simplex method ends without an answer."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Inputs (N,), the value reached, and what each row's bound is worth (its multiplier)."""
+
+    value: float
+    inputs: FloatArray
+    multipliers: FloatArray
+    reduced_costs: FloatArray
+
+
+class LinearProgram:
+    """Maximise objective·u subject to lower ≤ matrix·u ≤ upper, and bounds alike on every u.
+
+    Parameters
+    ----------
+    objective : (N,) array
+    matrix : (m, N) array
+    """
+
+    def __init__(self, objective: FloatArray, matrix: FloatArray) -> None:
+        self.objective, self.matrix = objective, matrix
+        self._highs: Any = None
+
+    def solve(self, lower: FloatArray, upper: FloatArray, inputs: Range) -> Solution | None:
+        """Return the optimum, or None where the solver finds none.
+
+        A second call starts from where the last one ended.
+        """
+        if self._highs is None:
+            self._highs = _started(self.objective, self.matrix, lower, upper, inputs)
+        else:
+            self._move_bounds(lower, upper, inputs)
+        self._highs.run()
+        if not self._solved():
+            return self._solve_otherwise(lower, upper, inputs)
+        return self._solution()
+
+    def _move_bounds(self, lower: FloatArray, upper: FloatArray, inputs: Range) -> None:
+        rows, columns = self.matrix.shape
+        least, most = (np.full(columns, side) for side in inputs)
+        self._highs.changeRowsBounds(rows, np.arange(rows, dtype=np.int32), lower, upper)
+        self._highs.changeColsBounds(columns, np.arange(columns, dtype=np.int32), least, most)
+
+    def _solve_otherwise(
+        self, lower: FloatArray, upper: FloatArray, inputs: Range
+    ) -> Solution | None:
+        for settings in _OTHER_WAYS:
+            self._highs = _started(self.objective, self.matrix, lower, upper, inputs)
+            _set(self._highs, settings)
+            self._highs.run()
+            if self._solved():
+                solution = self._solution()
+                self._highs = None
+                return solution
+        self._highs = None
+        return None
+
+    def _solved(self) -> bool:
+        return str(self._highs.getModelStatus()).endswith("kOptimal")
+
+    def _solution(self) -> Solution:
+        found = self._highs.getSolution()
+        reached = np.array(found.col_value)
+        return Solution(
+            float(self.objective @ reached),
+            reached,
+            -np.array(found.row_dual),  # HiGHS minimises
+            -np.array(found.col_dual),
+        )
+
+
+def _started(
+    objective: FloatArray,
+    matrix: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    inputs: Range,
+) -> Any:
+    """Return HiGHS with the program loaded."""
+    import highspy
+
+    make: Any = highspy.Highs
+    highs = make()
+    _set(highs, _SETTINGS)
+    used = np.abs(matrix) > _SMALLEST
+    program = highspy.HighsLp()
+    program.num_row_, program.num_col_ = matrix.shape
+    program.col_cost_ = -objective
+    program.col_lower_ = np.full(len(objective), inputs[0])
+    program.col_upper_ = np.full(len(objective), inputs[1])
+    program.row_lower_, program.row_upper_ = lower, upper
+    program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    program.a_matrix_.start_ = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    program.a_matrix_.index_ = np.nonzero(used)[1]
+    program.a_matrix_.value_ = matrix[used]
+    highs.passModel(program)
+    return highs
+
+
+def _set(highs: Any, settings: dict[str, bool | int | float | str]) -> None:
+    for name, value in settings.items():
+        highs.setOptionValue(name, value)

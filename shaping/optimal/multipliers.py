@@ -1,0 +1,150 @@
+"""Multipliers of the half problem, and the bound that they prove, free of any solver's errors.
+
+For numbers λ_k and signed measures μ_k (atoms at nodes, densities linear between them) every
+motion of the half 0…1 that starts at rest, with z_k(1) = 0 where λ_k ≠ 0, has
+
+    z_0(1) = ∫ p·z_n dτ + Σ_k ∫ z_k dμ_k,   q_0 = 1,  q_k(1) = −λ_k,  −q_k' = q_{k−1} − μ_k,
+
+with p = q_{n−1}. So z_0(1) is at most Σ_k L_k·η^k·(mass of μ_k), with ∫|p| for k = n, whatever
+the multipliers are (weak duality): they may come from anywhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from ..pieces import FloatArray, RealArray
+
+_HALVINGS = 24
+_UNDECIDED = 1e-10  # of the whole integral: what is left uncertain about the sign of p
+_OPERATIONS = 400  # more than the roundings in a row that a value goes through within a cell
+
+
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """Multipliers on a grid of N cells.
+
+    Parameters
+    ----------
+    cells : (N,) array
+        Lengths of the cells; their sum is 1 but for rounding.
+    ends : (n,) array
+        λ_k, zero where the end is free.
+    atoms, densities : (n, N + 1) arrays
+        Of μ_k at the nodes; row 0 is not used.
+    """
+
+    cells: FloatArray
+    ends: FloatArray
+    atoms: FloatArray
+    densities: FloatArray
+
+    def costates(self) -> tuple[RealArray, RealArray]:
+        """Return p on each cell, and a bound on the rounding in it.
+
+        Returns
+        -------
+        coefficients : (d + 1, N) array
+            Of powers of σ, which runs from 0 at the cell's right end to 1 at its left.
+        rounding : (N,) array
+            More than the error of p anywhere on the cell.
+        """
+        n, count = self.atoms.shape[0], len(self.cells)
+        h = self.cells.astype(np.longdouble)
+        q = np.ones((1, count), dtype=np.longdouble)
+        size = np.ones((1, count), dtype=np.longdouble)
+        for k in range(1, n):
+            density = np.array([self.densities[k, 1:], self.densities[k, :-1]], np.longdouble)
+            slope = np.array([density[0], density[1] - density[0]])
+            steep = np.array([np.abs(density[0]), np.abs(density[0]) + np.abs(density[1])])
+            start = np.longdouble(-self.ends[k]), np.abs(np.longdouble(self.ends[k]))
+            jumps = self.atoms[k, 1:].astype(np.longdouble)
+            q = _integrated(_sum(q, -slope), h, start[0], -jumps)
+            size = _integrated(_sum(size, steep), h, start[1], np.abs(jumps))
+        steps = n * (count + 8) + _OPERATIONS
+        return q, size.sum(axis=0) * (steps * np.finfo(np.longdouble).eps)
+
+    def sizes(self, k: int, parts: int) -> FloatArray:
+        """Return about how much of μ_k there is around every `parts`-th node."""
+        halves = np.concatenate([[0.0], 0.5 * self.cells, [0.0]])
+        every = self.densities[k] * (halves[:-1] + halves[1:]) + self.atoms[k]
+        edges = np.maximum(np.arange(0, len(every), parts) - parts // 2, 0)
+        return np.asarray(np.add.reduceat(every, edges))
+
+    def masses(self) -> tuple[FloatArray, FloatArray]:
+        """Return bounds on the positive and the negative mass of each μ_k, (n,) each."""
+        halves = np.concatenate([[0.0], 0.5 * self.cells, [0.0]])
+        weights = self.densities * (halves[:-1] + halves[1:])
+        parts = np.stack([self.atoms, weights])
+        rounding = 1.0 + 1e-15 * (len(self.cells) + 10)
+        positive = np.maximum(parts, 0.0).sum(axis=(0, 2)) * rounding
+        negative = np.maximum(-parts, 0.0).sum(axis=(0, 2)) * rounding
+        return positive, negative
+
+
+def _sum(left: RealArray, right: RealArray) -> RealArray:
+    """Add polynomials of different degrees."""
+    total = np.zeros((max(len(left), len(right)), left.shape[1]), dtype=np.longdouble)
+    total[: len(left)] += left
+    total[: len(right)] += right
+    return total
+
+
+def _integrated(
+    slope: RealArray, h: RealArray, start: np.longdouble, jumps: RealArray
+) -> RealArray:
+    """Integrate polynomials in σ from the last cell to the first.
+
+    `jumps` are added at each cell's right end, `start` at the last one's besides.
+    """
+    powers = slope * h / np.arange(1, len(slope) + 1)[:, None]
+    rise = powers.sum(axis=0) + jumps
+    after = np.cumsum(rise[::-1])[::-1]
+    constant = np.append(after[1:], 0.0) + start + jumps
+    return np.concatenate([constant[None, :], powers])
+
+
+def signed_integrals(
+    coefficients: RealArray, cells: FloatArray, rounding: RealArray
+) -> tuple[RealArray, RealArray]:
+    """Return upper bounds on ∫ max(p, 0) and ∫ max(−p, 0) over each cell, (N,) each.
+
+    In Bernstein form, a cell is halved until its coefficients have one sign or what remains in
+    doubt is nothing beside the whole.
+    """
+    d = len(coefficients) - 1
+    upper, lower = (
+        np.array([[comb(m, i) for i in range(d + 1)] for m in row], np.longdouble)
+        for row in (range(d + 1), [d] * (d + 1))
+    )
+    pieces: RealArray = upper / lower @ coefficients * cells / (d + 1)
+    owner = np.arange(len(cells))
+    positive: RealArray = np.zeros(len(cells), np.longdouble)
+    negative: RealArray = np.zeros(len(cells), np.longdouble)
+    whole = np.abs(pieces.sum(axis=0)).sum()
+    for halving in range(_HALVINGS + 1):
+        up, down = np.maximum(pieces, 0.0).sum(axis=0), np.maximum(-pieces, 0.0).sum(axis=0)
+        mixed = np.minimum(up, down) > 0.0
+        if np.minimum(up, down).sum() <= _UNDECIDED * whole or halving == _HALVINGS:
+            mixed[:] = False
+        np.add.at(positive, owner[~mixed], up[~mixed])
+        np.add.at(negative, owner[~mixed], down[~mixed])
+        if not mixed.any():
+            break
+        pieces, owner = _halved(pieces[:, mixed]), np.repeat(owner[mixed], 2)
+    doubt = rounding * cells
+    return positive + doubt, negative + doubt
+
+
+def _halved(pieces: RealArray) -> RealArray:
+    """Return the Bernstein forms of both halves, next to each other, times their length."""
+    left, right = np.empty_like(pieces), np.empty_like(pieces)
+    d = len(pieces) - 1
+    row = pieces
+    for i in range(d + 1):
+        left[i], right[d - i] = row[0], row[-1]
+        row = 0.5 * (row[1:] + row[:-1])
+    return np.stack([0.5 * left, 0.5 * right], axis=2).reshape(d + 1, -1)

@@ -1,0 +1,79 @@
+"""The half problem with its bounds kept at nodes and on average: its multipliers make the proof.
+
+Each cell is cut into a few with inputs of their own: with one alone the costate could swing from
+side to side within the cell, its mean zero, and prove little.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..pieces import FloatArray
+from .half_problem import HalfProblem
+from .linear_program import LinearProgram, Solution
+from .multipliers import Multipliers
+from .state_maps import hat_areas, hat_rows, node_maps
+
+
+class RelaxedProgram:
+    """The linear program of a half, bounds kept at the nodes and in the mean around each node.
+
+    Parameters
+    ----------
+    problem : HalfProblem
+    nodes : (N + 1,) array
+        From 0 to 1.
+    parts : int
+        Into how many every cell is cut; the input is constant on each part.
+    """
+
+    def __init__(self, problem: HalfProblem, nodes: FloatArray, parts: int) -> None:
+        n = problem.order
+        self.problem, self.nodes, self.parts = problem, nodes, parts
+        fine = np.interp(
+            np.arange(parts * len(nodes) - parts + 1) / parts, np.arange(len(nodes)), nodes
+        )
+        self._cells = np.diff(fine)
+        self._maps = node_maps(fine, n)
+        self._units = problem.units(float(self._cells.min()))
+        self._scales = self._units[n] / self._units
+        self._hats = np.array([np.interp(fine, nodes, hat) for hat in np.eye(len(nodes))])
+        areas = hat_areas(self._cells)
+        self._areas = self._hats @ areas
+        means = self._hats * areas / self._areas[:, None]
+        rows = [self._maps[2:n:2, -1] * self._scales[2:n:2, None]]
+        for k in problem.relevant():
+            rows.append(self._maps[k, parts::parts] * self._scales[k])
+            rows.append(means @ hat_rows(self._maps, self._cells, k) * self._scales[k])
+        self._program = LinearProgram(self._maps[0, -1] * self._scales[0], np.vstack(rows))
+
+    def solve(self, half: float) -> Multipliers | None:
+        """Return the multipliers at a half duration η; None where the solver fails."""
+        n = self.problem.order
+        powers = half ** np.arange(n + 1) / self._units
+        lower, upper = self.problem.lower * powers, self.problem.upper * powers
+        of = np.repeat(self.problem.relevant(), 2 * len(self.nodes) - 1).astype(int)
+        fixed = np.zeros(len(range(2, n, 2)))
+        solution = self._program.solve(
+            np.concatenate([fixed, lower[of]]),
+            np.concatenate([fixed, upper[of]]),
+            (float(lower[n]), float(upper[n])),
+        )
+        return None if solution is None else self._multipliers(solution)
+
+    def _multipliers(self, solution: Solution) -> Multipliers:
+        n, count = self.problem.order, len(self.nodes)
+        bounded, even = self.problem.relevant(), range(2, n, 2)
+        ends = np.zeros(n)
+        ends[even] = solution.multipliers[: len(even)]
+        atoms, densities = np.zeros((2, n, len(self._cells) + 1))
+        rows = solution.multipliers[len(even) :].reshape(len(bounded), 2 * count - 1)
+        for k, row in zip(bounded, rows, strict=True):
+            open_up, open_down = np.isinf(self.problem.upper[k]), np.isinf(self.problem.lower[k])
+            row = np.clip(row, 0.0 if open_down else None, 0.0 if open_up else None)
+            atoms[k, self.parts :: self.parts] = row[: count - 1]
+            densities[k] = row[count - 1 :] / self._areas @ self._hats
+        weights = self._units[0] / self._units[:n]
+        return Multipliers(
+            self._cells, ends * weights, atoms * weights[:, None], densities * weights[:, None]
+        )

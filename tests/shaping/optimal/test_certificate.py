@@ -1,0 +1,133 @@
+"""certify from outside: never above a feasible duration, near it, sensitivities as differences."""
+
+from math import factorial, inf
+
+import numpy as np
+import pytest
+from references import reference_problems
+
+from jounce.shaping import Limits, Trajectory, min_jerk_move, min_time_move, perfect_spline
+from jounce.shaping.optimal import Certificate, certify, optimal_move
+
+SMOOTH = ["rand-n4-all-09", "rand-n4-subset-15", "rand-n5-all-06"]
+REFERENCES = [pytest.param(problem, id=problem.name) for problem in reference_problems()]
+
+
+def limits_of(bounds):
+    return Limits.from_bounds([None if bound == inf else bound for bound in bounds])
+
+
+@pytest.mark.parametrize("problem", REFERENCES)
+def test_reference_problems(problem):
+    limits = limits_of(problem.bounds)
+    proof = certify(optimal_move(problem.distance, limits), limits)
+    assert proof.lower_bound <= problem.upper * (1.0 + 1e-12)
+    assert proof.reached, proof
+    assert proof.gap == pytest.approx(proof.duration / proof.lower_bound - 1.0, abs=1e-15)
+    weighted = sum(k * s for k, s in enumerate(proof.sensitivities, start=1))
+    assert weighted == pytest.approx(-1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rand-n4-all-09", "rand-n5-all-06", "rand-n6-AVhighest-00"])
+def test_a_gap_of_1e_5_when_asked(name):
+    problem = next(p for p in reference_problems() if p.name == name)
+    limits = limits_of(problem.bounds)
+    proof = certify(optimal_move(problem.distance, limits), limits, rtol=1e-5)
+    assert proof.lower_bound <= problem.upper
+    assert proof.reached, proof
+
+
+@pytest.mark.parametrize("order", range(1, 9))
+def test_a_perfect_spline_is_proven_to_rounding(order):
+    limits = Limits.from_bounds([*[None] * (order - 1), 3.0])
+    proof = certify(perfect_spline(2.0, order, 3.0), limits, rtol=1e-11)
+    assert proof.gap <= 2e-12
+    assert proof.sensitivities == (*[-0.0] * (order - 1), pytest.approx(-1.0 / order))
+
+
+@pytest.mark.parametrize(
+    "bounds", [(1.0, 2.0), (1.5, 6.0, 60.0), (None, 6.0, 60.0), (1.2, None, 60.0), (9.0, 9.0, 1.0)]
+)
+def test_closed_forms_to_order_3_are_proven_optimal(bounds):
+    limits = Limits.from_bounds(bounds)
+    proof = certify(min_time_move(1.0, limits, method="closed-form"), limits)
+    assert proof.gap <= 2e-8, proof
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_no_feasible_motion_beats_the_bound(seed):
+    """The bound found from a poor motion is below the duration of a good one."""
+    rng = np.random.default_rng(seed)
+    order = 4 + seed % 3
+    bounds = [4.0**k * factorial(k) * 10.0 ** rng.uniform(-1.0, 1.0) for k in range(order)]
+    limits = limits_of(bounds)
+    slow = min_time_move(1.0, limits, method="closed-form").stretch(1.3)
+    proof = certify(slow, limits)
+    best = optimal_move(1.0, limits).duration
+    assert proof.lower_bound <= best * (1.0 + 1e-12)
+    assert proof.lower_bound >= best * (1.0 - 5e-3), proof
+    assert not proof.reached
+
+
+@pytest.mark.parametrize("problem", [p for p in REFERENCES if p.id in SMOOTH])
+def test_sensitivities_are_those_of_the_duration(problem):
+    limits = limits_of(problem.bounds)
+    proof = certify(optimal_move(problem.distance, limits), limits, rtol=1e-5)
+    step = 0.004
+    for k, bound in enumerate(problem.bounds):
+        durations = []
+        for factor in (1.0 - step, 1.0 + step):
+            changed = [b * factor if i == k else b for i, b in enumerate(problem.bounds)]
+            durations.append(optimal_move(problem.distance, limits_of(changed)).duration)
+        slope = (durations[1] / durations[0] - 1.0) / (2.0 * step)
+        assert proof.sensitivities[k] == pytest.approx(slope, abs=6e-3), f"{k + 1}: {bound}"
+
+
+def test_units_and_direction_change_nothing():
+    bounds = [1.3, 9.0, None, 900.0]
+    here = certify(optimal_move(1.0, Limits.from_bounds(bounds)), Limits.from_bounds(bounds))
+    scaled = Limits.from_bounds([b and b * 1e-9 * 1e6**k for k, b in enumerate(bounds, start=1)])
+    there = certify(optimal_move(-1e-9, scaled, start=3e-9), scaled)
+    assert there.lower_bound == pytest.approx(here.lower_bound * 1e-6, rel=1e-9)
+
+
+def test_bounds_that_differ_between_directions_give_a_true_bound():
+    limits = Limits.from_bounds([(-3.0, 1.5), (-6.0, 8.0), (-90.0, 30.0)])
+    move = min_time_move(1.0, limits)
+    proof = certify(move, limits)
+    assert 0.8 * move.duration <= proof.lower_bound <= move.duration
+
+
+def test_a_smooth_move_that_is_not_optimal():
+    move = min_jerk_move(1.0, duration=1.0)
+    peaks = [move.peak(k) for k in (1, 2)]
+    limits = Limits.from_bounds([*peaks, move.peak(3)])
+    proof = certify(move, limits)
+    assert isinstance(proof, Certificate)
+    assert proof.lower_bound == pytest.approx(min_time_move(1.0, limits).duration, rel=1e-6)
+
+
+def test_a_bound_in_one_direction_proves_nothing():
+    limits = Limits.from_bounds([None, None, None, None, (-inf, 5.0)])
+    proof = certify(min_time_move(1.0, limits), limits)
+    assert (proof.lower_bound, proof.gap, proof.reached) == (0.0, inf, False)
+
+
+def test_no_distance_needs_no_time():
+    limits = Limits(velocity=1.0, snap=5.0)
+    assert certify(min_time_move(0.0, limits), limits).gap == 0.0
+
+
+def test_what_is_refused():
+    limits = Limits(velocity=1.0, jerk=5.0)
+    move = min_time_move(1.0, limits)
+    with pytest.raises(ValueError, match="exceeds its limits by 1 of a bound"):
+        certify(move, Limits(velocity=1.0, jerk=2.5))
+    with pytest.raises(ValueError, match="jerk jumps, so that snap is unbounded"):
+        certify(move, Limits(snap=1.0))
+    with pytest.raises(ValueError, match="velocity is 1 at the start"):
+        certify(Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]), limits)
+    with pytest.raises(ValueError, match=r"rtol = 0\.0"):
+        certify(move, limits, rtol=0.0)
+    with pytest.raises(TypeError, match="a Trajectory and Limits"):
+        certify(1.0, limits)

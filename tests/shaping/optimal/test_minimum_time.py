@@ -1,0 +1,178 @@
+"""optimal_move from outside: sound, symmetric, no slower than a closed form, near the minimum."""
+
+from math import factorial, inf
+
+import numpy as np
+import pytest
+from references import BOUND, CONTINUITY, END_POSITION, joint_gaps, reference_problems
+
+from jounce.shaping import Limits, min_time_move, perfect_spline
+from jounce.shaping.optimal import optimal_move
+
+GAPS = {4: 5e-4, 5: 1e-3, 6: 1.5e-3}
+REFERENCES = [
+    pytest.param(problem, id=problem.name)
+    for problem in reference_problems()
+    if problem.order >= 4 or problem.name.endswith("03")
+]
+
+
+def limits_of(bounds):
+    return Limits.from_bounds([None if bound == inf else bound for bound in bounds])
+
+
+def random_bounds(order, seed):
+    """Return bounds around those of the perfect spline in unit time, some left out."""
+    rng = np.random.default_rng((order, seed))
+    return [
+        4.0**k * factorial(k) * 10.0 ** rng.uniform(-1.0, 1.5)
+        if k == order - 1 or rng.random() < 0.7
+        else inf
+        for k in range(order)
+    ]
+
+
+def assert_sound(move, distance, limits):
+    text = f"optimal_move({distance!r}, {limits!r})"
+    np.testing.assert_array_equal(move.start_state[1:-1], 0.0, text)
+    np.testing.assert_array_equal(move.end_state[1:], 0.0, text)
+    travelled = move.end_state[0] - move.start_state[0]
+    assert abs(travelled - distance) <= END_POSITION * abs(distance), text
+    assert abs(move(move.end_time) - move.end_state[0]) <= END_POSITION * abs(distance), text
+    assert move.violation(limits) <= BOUND, text
+    assert max(joint_gaps(move)) <= CONTINUITY, text
+    closed = min_time_move(distance, limits, method="closed-form")
+    assert move.duration <= closed.duration, text
+    mirrored = move.reverse().mirror().shift(travelled + 2.0 * move.start_state[0])
+    t = np.linspace(0.0, 1.0, 41) * move.duration
+    for k in range(move.order):
+        np.testing.assert_allclose(mirrored(t, k), move(t, k), rtol=0, atol=1e-11 * move.peak(k))
+
+
+@pytest.mark.parametrize("problem", REFERENCES)
+def test_reference_problems(problem):
+    limits = limits_of(problem.bounds)
+    move = optimal_move(problem.distance, limits)
+    assert_sound(move, problem.distance, limits)
+    assert move.duration >= problem.lower * (1.0 - 1e-9)
+    assert move.duration <= problem.upper * (1.0 + 1e-4)
+
+
+@pytest.mark.parametrize("order", [4, 5, 6, 7])
+@pytest.mark.parametrize("seed", range(4))
+def test_random_moves_are_sound(order, seed):
+    limits = limits_of(random_bounds(order, seed))
+    assert_sound(optimal_move(-2.0 if seed % 2 else 2.0, limits), -2.0 if seed % 2 else 2.0, limits)
+
+
+@pytest.mark.parametrize("order", range(1, 11))
+def test_a_perfect_spline_stays_one(order):
+    limits = Limits.from_bounds([*[None] * (order - 1), 3.0])
+    move, spline = optimal_move(2.0, limits), perfect_spline(2.0, order, 3.0)
+    np.testing.assert_allclose(move.breaks, spline.breaks, rtol=1e-12, atol=1e-12)
+    for k in range(order):
+        np.testing.assert_allclose(
+            move.states[:, k], spline.states[:, k], rtol=0, atol=1e-12 * spline.peak(k)
+        )
+
+
+@pytest.mark.parametrize("acceleration", [1.0, 3.0, 5.0])
+def test_highest_and_acceleration_at_order_4_is_thompsons_profile(acceleration):
+    limits = Limits(acceleration=acceleration, snap=384.0)
+    move = optimal_move(1.0, limits)
+    closed = min_time_move(1.0, limits, method="closed-form")
+    np.testing.assert_array_equal(move.breaks, closed.breaks)
+    np.testing.assert_array_equal(move.states, closed.states)
+
+
+@pytest.mark.parametrize("distance", [1e-6, 1e6])
+@pytest.mark.parametrize("time", [1e-6, 1e6])
+@pytest.mark.parametrize("order", [4, 5])
+def test_units_change_nothing_but_scale(order, distance, time):
+    bounds = random_bounds(order, 11)
+    move = optimal_move(1.0, limits_of(bounds))
+    scaled = [bound * distance / time**k for k, bound in enumerate(bounds, start=1)]
+    other = optimal_move(distance, limits_of(scaled))
+    assert len(other.breaks) == len(move.breaks)
+    assert other.duration == pytest.approx(move.duration * time, rel=1e-11)
+
+
+@pytest.mark.parametrize("order", [4, 5, pytest.param(6, marks=pytest.mark.slow)])
+def test_duration_grows_with_distance_and_falls_with_every_bound(order):
+    """To within the gap allowed."""
+    bounds = random_bounds(order, 3)
+    slack = 1.0 + GAPS[order]
+    duration = optimal_move(1.0, limits_of(bounds)).duration
+    assert optimal_move(1.01, limits_of(bounds)).duration >= duration / slack
+    for k in range(order):
+        wider = [bound * 1.1 if i == k else bound for i, bound in enumerate(bounds)]
+        assert optimal_move(1.0, limits_of(wider)).duration <= duration * slack, (
+            f"derivative {k + 1}"
+        )
+
+
+EXTREMES = {
+    "ramps of 1e-5 of the duration": [1.8, 7.0, 60.0, 384e4],
+    "nothing but ramps": [None, 4.0, None, 384e12],
+    "a cruise of a thousand ramps": [0.0018, None, None, 384.0],
+    "a hold of many ramps": [None, 0.07, None, None, 6144.0],
+    "twelve decades": [1e-6, 1e6, 1e-2, 1e4, 1e-6],
+    "redundant": [1e6, 1e9, 1e12, 3.0, 1e3],
+    "pop beyond reach": [1.8, 7.0, None, None, None, 1e13],
+}
+
+
+@pytest.mark.parametrize("name", EXTREMES)
+@pytest.mark.filterwarnings("ignore:these limits are too many decades apart:RuntimeWarning")
+def test_extremes_end_in_a_sound_move(name):
+    limits = Limits.from_bounds(EXTREMES[name])
+    assert_sound(optimal_move(1.0, limits), 1.0, limits)
+
+
+@pytest.mark.parametrize("nudge", [-1e-3, -1e-9, 0.0, 1e-12, 1e-6, 1.0])
+@pytest.mark.parametrize("order", [4, 5])
+def test_barely_active_bounds(order, nudge):
+    free = perfect_spline(1.0, order, 7.0)
+    for k in range(1, order):
+        bounds = [None] * (order - 1) + [7.0]
+        bounds[k - 1] = free.peak(k) * (1.0 + nudge)
+        move = optimal_move(1.0, Limits.from_bounds(bounds))
+        assert move.violation(Limits.from_bounds(bounds)) <= BOUND
+        slower = 1e-12 if nudge >= 0.0 else 10.0 * abs(nudge) + 5e-6
+        assert move.duration == pytest.approx(free.duration, rel=slower), f"derivative {k}"
+
+
+@pytest.mark.parametrize("distance", [1.0, -1.0])
+def test_bounds_that_differ_between_directions_are_kept(distance):
+    pairs = [(-3.0, 1.5), (-4.0, 8.0), (-90.0, 30.0), (-900.0, 1200.0), (-1e4, 2e4)]
+    limits = Limits.from_bounds(pairs)
+    move = optimal_move(distance, limits)
+    assert move.violation(limits) <= BOUND
+    assert move.duration <= min_time_move(distance, limits, method="closed-form").duration
+
+
+def test_start_shifts_and_zero_distance_is_a_point():
+    limits = Limits(velocity=1.0, snap=500.0)
+    assert optimal_move(-1.0, limits, start=7.0).end_state[0] == 6.0
+    assert optimal_move(0.0, limits, start=7.0).extremes(0) == (7.0, 7.0)
+
+
+def test_an_order_above_10_is_the_closed_form_and_says_so():
+    limits = Limits.from_bounds([3.0 * 4.0**k * factorial(k) for k in range(11)])
+    with pytest.warns(RuntimeWarning, match="order 11 is above 10: this move is the fastest"):
+        move = optimal_move(1.0, limits)
+    assert move.duration == min_time_move(1.0, limits, method="closed-form").duration
+
+
+def test_min_time_move_gives_the_same():
+    limits = limits_of(random_bounds(5, 3))
+    move, same = optimal_move(-1.0, limits), min_time_move(-1.0, limits, method="optimal")
+    np.testing.assert_array_equal(move.states, same.states)
+
+
+@pytest.mark.parametrize("value", [np.nan, inf])
+def test_what_is_no_distance_is_refused(value):
+    with pytest.raises(ValueError, match="expected a finite"):
+        optimal_move(value, Limits(snap=1.0))
+    with pytest.raises(TypeError, match="expected Limits"):
+        optimal_move(1.0, 2.0)
