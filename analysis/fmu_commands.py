@@ -48,7 +48,10 @@ def export_command(
         BlockChoice, typer.Option(help="What to export; loop: all together, as an .ssp.")
     ],
     move: Annotated[
-        str | None, typer.Option(help="Name of the move, if the scenario has several.")
+        str | None,
+        typer.Option(
+            help="Name of the move, if the scenario has several; a loop's default: the first."
+        ),
     ] = None,
     fmi: Annotated[FmiVersion, typer.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
     output: Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -44,7 +45,8 @@ def export_block(
     dt : float
         Sample time of what is sampled: controller, follower.
     move : str, optional
-        Name of the move for a trajectory, follower or loop. Default: the only one there is.
+        Name of the move for a trajectory, follower or loop. Default: the only one there is; of
+        several, a loop takes the first, and its notes say so.
     fmi_version : "2.0" or "3.0", optional
     platforms : list of str, optional
         As in `export_fmu`.
@@ -62,7 +64,12 @@ def export_block(
     if block == "loop":
         from ..plant.fmu.exporting.ssp import export_ssp
 
-        return export_ssp(
+        names = [own.name for own in scenario.moves]
+        notes: tuple[str, ...] = ()
+        if move is None and len(names) > 1:
+            move, others = names[0], ", ".join(map(repr, names[1:]))
+            notes = (f"The move is {move!r}, the first; --move takes another: {others}",)
+        made = export_ssp(
             path,
             trajectory_of(scenario, move),
             servo_loop_of(scenario),
@@ -72,6 +79,7 @@ def export_block(
             platforms=platforms,
             unit=unit,
         )
+        return replace(made, notes=(*notes, *made.notes))
     source = _source(scenario, block, dt, move)
     return export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
 

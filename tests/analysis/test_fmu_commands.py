@@ -114,6 +114,15 @@ def test_the_loop_leaves_as_an_ssp(run):
         ]
 
 
+def test_a_loop_without_move_takes_the_first_and_says_so(run):
+    status, out, errors = run("export", "two.toml", "--block", "loop", *SOURCES)
+    assert (status, errors) == (0, [])
+    assert "The move is 'out & in', the first; --move takes another: 'back'" in out
+    run("export", "two.toml", "--block", "loop", "--move", "out & in", *SOURCES)
+    assert Path("two_loop.ssp").read_bytes() == Path("two_loop_out_in.ssp").read_bytes()
+    assert "The move" not in run("export", "axis.toml", "--block", "loop", *SOURCES)[1]
+
+
 def test_the_move_is_chosen_by_name(run, refused):
     status, out, _ = run(
         "export", "two.toml", "--block", "trajectory", "--move", "out & in", *SOURCES

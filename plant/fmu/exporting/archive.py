@@ -6,6 +6,7 @@ import io
 import os
 import zipfile
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
@@ -25,6 +26,31 @@ def archive(entries: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
+def target_file(path: str | PathLike[str]) -> Path:
+    """Return the path of a file to be written, in a folder that exists.
+
+    Raises
+    ------
+    TypeError
+        For what is no path.
+    ValueError
+        For an empty path.
+    OSError
+        Where the path is a folder, or its folder is missing.
+    """
+    if not isinstance(path, str | PathLike):
+        raise TypeError(f"path = {path!r}: expected the path of a file, as text or a Path")
+    given = f"path = {str(path)!r}"
+    if not str(path):
+        raise ValueError(f"{given}: expected the path of a file to be written; give its name")
+    target = Path(path)
+    if target.is_dir():
+        raise IsADirectoryError(f"{given}: is a folder; name a file in it")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{given}: {target.parent} is not a folder; create it first")
+    return target
+
+
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file so that others see the old one or the new one, never a part of it.
 
@@ -33,6 +59,13 @@ def write_atomically(path: Path, content: bytes) -> None:
     OSError
         Where it cannot be written; nothing is left behind then.
     """
+    try:
+        _write(path, content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+def _write(path: Path, content: bytes) -> None:
     with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as temporary:
         try:
             temporary.write(content)

@@ -10,7 +10,19 @@ from functools import cached_property
 MAX_DOUBLE = 1.7976931348623157e308
 LEAST_POSITIVE = 2.2250738585072014e-308
 
+_NOT_IN_XML = re.compile("[\x00-\x1f\ud800-\udfff\ufffe\uffff]")
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")
+
+
+def check_xml_name(what: str, name: str) -> None:
+    """Refuse a name that is blank or that XML cannot hold."""
+    if not isinstance(name, str):
+        raise TypeError(f"{what} {name!r}: expected text as its name")
+    if not name.strip() or _NOT_IN_XML.search(name):
+        raise ValueError(
+            f"{what} {name!r}: expected a name of letters, digits, signs and blanks, not of blanks "
+            "alone; XML holds no control characters, lone surrogates, U+FFFE or U+FFFF"
+        )
 
 
 @dataclass(frozen=True)
@@ -117,6 +129,8 @@ class Block:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise TypeError(f"name = {self.name!r}: expected text, a C identifier such as 'axis'")
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,60}", self.name, re.ASCII):
             raise ValueError(
                 f"name = {self.name!r}: expected a C identifier of at most 61 characters (letters, "
@@ -125,10 +139,7 @@ class Block:
         if _RESERVED.fullmatch(self.name):
             raise ValueError(f"name = {self.name!r}: Windows reserves it for a device; use another")
         for variable in self.variables:
-            if not variable.name.strip() or re.search(r"[\x00-\x1f]", variable.name):
-                raise ValueError(
-                    f"variable {variable.name!r}: expected a name without control characters"
-                )
+            check_xml_name("variable", variable.name)
             low = -MAX_DOUBLE if variable.minimum is None else variable.minimum
             high = MAX_DOUBLE if variable.maximum is None else variable.maximum
             if variable.has_start and not low <= variable.start <= high:

@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .archive import archive, write_atomically
+from .archive import archive, target_file, write_atomically
 from .blocks import Block
 from .compile import PLATFORMS, available_platforms, build, host_platform
 from .dispatch import Unit, block_of
@@ -65,7 +65,7 @@ def export_fmu(
     block : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
 StateSpace or TransferFunction
         A command follower of order 2. A python-control system of continuous time, or discrete
-        with a sampling time.
+        with a sampling time, and at most 200 states.
     path : path-like
         Of the file; its folder must exist. An existing file is replaced.
     fmi_version : "2.0" or "3.0", optional
@@ -87,7 +87,9 @@ StateSpace or TransferFunction
     Raises
     ------
     ValueError, TypeError
-        For a block, name, unit, version or platform that cannot be exported.
+        For a block, path, name, unit, version or platform that cannot be exported.
+    OSError
+        Where the path is a folder, its folder is missing, or it cannot be written.
     CompilerError
         Where there is no compiler for a platform that was asked for.
     ModuleNotFoundError
@@ -97,6 +99,9 @@ StateSpace or TransferFunction
     -----
     Blocks that are sampled (the follower, the controller, discrete systems) run sample k in the
     communication step that starts at t_k, and put its result out at that step's end.
+
+    How the sources are compiled stands in sources/buildDescription.xml in FMI 3.0; FMI 2.0 has no
+    such file, and lists them in modelDescription.xml.
 
     Examples
     --------
@@ -111,9 +116,7 @@ StateSpace or TransferFunction
         raise ValueError(f"fmi_version = {fmi_version!r}: expected '2.0' or '3.0'")
     chosen = _chosen(platforms)
     described = block_of(block, name=name, unit=unit)
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"{target.parent} is not a folder: create it first")
+    target = target_file(path)
     entries = fmu_entries(described, fmi_version, chosen)
     write_atomically(target, archive(entries))
     notes = (_NO_COMPILER,) if platforms is None and not chosen else ()

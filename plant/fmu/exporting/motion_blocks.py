@@ -57,19 +57,25 @@ def trajectory_block(trajectory: Trajectory, name: str, unit: str) -> Block:
             *outputs,
         ),
         "trajectory",
-        constants={"ORDER": str(trajectory.order), "N_BREAKS": str(len(trajectory.breaks))},
+        constants={
+            "ORDER": str(trajectory.order),
+            "N_BREAKS": str(len(trajectory.breaks)),
+            "LAST_STEP": "0",
+        },
         tables={
             "breaks": trajectory.breaks.tolist(),
             "longest": [MAX_DOUBLE, *trajectory.durations.tolist(), MAX_DOUBLE],
             "states": rows.tolist(),
             "inverse_factorials": INVERSE_FACTORIALS[: trajectory.order + 1].tolist(),
         },
+        memory=1,
         start_time=trajectory.start_time,
         stop_time=trajectory.start_time + span,
         step=span / _TICKS,
         notes=(
             "Before its start and after its end the motion coasts. At a break the value is that "
-            "just after it.",
+            "just after it; a time before a break by at most 1e-6 of the last communication step "
+            "counts as the break, for hosts that add up their time.",
         ),
     )
 

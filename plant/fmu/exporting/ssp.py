@@ -16,8 +16,8 @@ from ....shaping.propagate import check_fed
 from ...inertia import Inertia
 from ...servo_loop import ServoLoop
 from . import units
-from .archive import archive, write_atomically
-from .blocks import Block, Variable
+from .archive import archive, target_file, write_atomically
+from .blocks import Block, Variable, check_xml_name
 from .dispatch import block_of
 from .export import export_fmu
 from .loop_blocks import SampledController
@@ -211,11 +211,10 @@ def export_ssp_of(
     """
     dt, duration = positive("dt", dt), positive("duration", duration)
     start_time = finite("start_time", start_time)
+    check_xml_name("system", name)
     if not components:
         raise ValueError("components = {}: expected at least one block")
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"{target.parent} is not a folder: create it first")
+    target = target_file(path)
     blocks = {
         own: replace(
             block_of(block, name=own),

@@ -92,7 +92,12 @@ def build_description(block: Block, sources: Iterable[str]) -> bytes:
     """Return buildDescription.xml: how the sources are compiled."""
     root = ElementTree.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = ElementTree.SubElement(root, "BuildConfiguration", modelIdentifier=block.name)
-    files = ElementTree.SubElement(configuration, "SourceFileSet", language="C99")
+    files = ElementTree.SubElement(
+        configuration,
+        "SourceFileSet",
+        language="C99",
+        compilerOptions="-ffp-contract=off",
+    )
     for name in sources:
         ElementTree.SubElement(files, "SourceFile", name=name)
     return to_bytes(root)

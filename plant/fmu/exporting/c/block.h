@@ -3,6 +3,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* No fused multiply-add: the same bits on every platform. GCC does not know the standard's pragma. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#elif defined(_MSC_VER)
+#pragma fp_contract(off)
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+
 #define START 1       /* may be set until the block is initialised */
 #define TUNABLE 2     /* may be set at any time, as may an input */
 #define INPUT 4

@@ -36,8 +36,8 @@ static Header header_of(const State *state) {
 
 static int serialize(Instance *it, const State *state, unsigned char *bytes, size_t size) {
     Header header;
-    if (!state || !bytes || size < SNAPSHOT_SIZE) {
-        return fail_with(it, "size", (double)size, ": too small for a serialised state of ",
+    if (!state || !bytes || size != SNAPSHOT_SIZE) {
+        return fail_with(it, "size", (double)size, ": expected that of a serialised state, ",
                          (double)SNAPSHOT_SIZE);
     }
     header = header_of(state);
@@ -47,20 +47,22 @@ static int serialize(Instance *it, const State *state, unsigned char *bytes, siz
 }
 
 static int deserialize(Instance *it, const unsigned char *bytes, size_t size, State *state) {
-    Header found, expected;
+    Header found, expected = header_of(state);
     size_t i;
-    if (!bytes || size < SNAPSHOT_SIZE) {
+    if (bytes && size >= sizeof found) {
+        copy_bytes(&found, bytes, sizeof found);
+        for (i = 0; i < sizeof found.magic; i++) {
+            if (found.magic[i] != expected.magic[i]) {
+                return fail(it, "the serialised state is not of this FMU");
+            }
+        }
+    }
+    if (!bytes || size != SNAPSHOT_SIZE) {
         return fail_with(it, "size", (double)size, ": expected a serialised state of ",
                          (double)SNAPSHOT_SIZE);
     }
-    copy_bytes(&found, bytes, sizeof found);
     copy_bytes(state, bytes + sizeof found, sizeof *state);
     expected = header_of(state);
-    for (i = 0; i < sizeof found.magic; i++) {
-        if (found.magic[i] != expected.magic[i]) {
-            return fail(it, "the serialised state is not of this FMU");
-        }
-    }
     if (found.size != expected.size || found.checksum != expected.checksum) {
         return fail(it, "the serialised state is damaged");
     }

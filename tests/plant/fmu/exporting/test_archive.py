@@ -32,4 +32,6 @@ def test_a_file_that_cannot_be_replaced_leaves_nothing_behind(tmp_path):
     (target / "full").mkdir(parents=True)
     with pytest.raises(OSError, match="folder"):
         write_atomically(target, b"content")
+    with pytest.raises(FileNotFoundError, match=r"'\S*/no/a.fmu'$"):
+        write_atomically(tmp_path / "no" / "a.fmu", b"content")
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]

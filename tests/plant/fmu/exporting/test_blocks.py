@@ -1,13 +1,19 @@
 """Blocks: what is refused, and a structure that tells the truth."""
 
+import zipfile
+from xml.etree import ElementTree
+
+import control
 import numpy as np
 import pytest
 from every_block import BLOCKS, makers
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
 
 from jounce.plant import Inertia
+from jounce.plant.fmu import export_fmu
 from jounce.plant.fmu.exporting.blocks import Block
 from jounce.plant.fmu.exporting.dispatch import block_of
+from jounce.plant.fmu.exporting.ssp import export_ssp_of
 from jounce.shaping import JerkFilter, Limits
 
 
@@ -15,6 +21,42 @@ from jounce.shaping import JerkFilter, Limits
 def test_a_name_that_is_no_identifier_is_refused(name):
     with pytest.raises(ValueError, match="name = "):
         block_of(Inertia(1.0), name=name)
+
+
+@pytest.mark.parametrize("number", [5, b"axis"], ids=["number", "bytes"])
+def test_a_name_that_is_no_text_is_refused(number):
+    with pytest.raises(TypeError, match=r"name = .*: expected text, a C identifier"):
+        block_of(Inertia(1.0), name=number)
+
+
+WITHOUT_PLACE = ["\ufffe", "\uffff", "\ud800", "\x00", "\n"]
+
+
+@pytest.mark.parametrize(
+    "label",
+    [*(f"a{character}" for character in WITHOUT_PLACE), "\u2028", "  "],
+    ids=["U+FFFE", "U+FFFF", "surrogate", "zero", "line", "U+2028 alone", "blanks"],
+)
+def test_a_signal_that_xml_cannot_name_is_refused(label):
+    system = control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]], inputs=[label], outputs=["y"])
+    with pytest.raises(ValueError, match="expected a name of letters") as refused:
+        block_of(system)
+    assert repr(label) in str(refused.value)
+    assert "not of blanks alone" in str(refused.value)
+    with pytest.raises(ValueError, match=r"system .*expected a name of letters"):
+        export_ssp_of("a.ssp", {"axis": system}, [], dt=1.0, duration=1.0, name=label)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize(
+    "label", ["torque \u2028 (1)", "\x7f\x85", 'µ <&">', "\U0001f600"], ids=ascii
+)
+def test_other_signs_in_names_arrive(label, version, tmp_path):
+    system = control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]], inputs=[label], outputs=["y"])
+    made = export_fmu(system, tmp_path / "a.fmu", fmi_version=version, platforms=[])
+    with zipfile.ZipFile(made.path) as file:
+        root = ElementTree.fromstring(file.read("modelDescription.xml"))
+    assert label in {element.get("name") for element in root.iter()}
 
 
 def test_other_objects_and_units_are_refused():

@@ -16,6 +16,10 @@ def jerk_limited():
     return min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0, jerk=10.0)).delay(0.35)
 
 
+def acceleration_limited():
+    return min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0))
+
+
 def sixth_order():
     limits = Limits.from_bounds([None, None, None, None, None, 400.0])
     return min_time_move(-3.0, limits, start=2.0)
@@ -78,6 +82,28 @@ def test_it_can_be_delayed_and_moved():
     host.close()
     expected = moved.evaluate(np.add.accumulate([0.02] * 100), 1)
     np.testing.assert_allclose(rows, expected, rtol=0.0, atol=1e-14 * 7.0)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_added_up_times_come_to_the_break(version):
+    trajectory = acceleration_limited()
+    host = Host(fmu_of(acceleration_limited, version)).run()
+    rows = host.record([1e-3] * 1500, "velocity", "acceleration")
+    end = host.time
+    position = host.get("position")
+    host.close()
+    assert end < trajectory.end_time
+    assert (rows[1] == np.repeat([2.0, 0.0, -2.0, 0.0], [499, 500, 500, 1])).all()
+    assert position == pytest.approx([1.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("early", "acceleration"), [(0.9e-6, 0.0), (1.1e-6, 2.0)])
+def test_a_millionth_of_the_last_step_counts_as_the_break(early, acceleration):
+    host = Host(fmu_of(acceleration_limited, "2.0")).run()
+    host.step(0.4)
+    host.step(0.1 - 0.1 * early)
+    assert host.get("acceleration") == [acceleration]
+    host.close()
 
 
 def test_many_pieces(tmp_path):

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from every_block import BLOCKS
 from fmpy.validation import validate_fmu
-from fmus import SLOW, VERSIONS, Host, needs_compiler
+from fmus import SLOW, VERSIONS, Host, fmu_of, needs_compiler
 
 from jounce.plant import Inertia
 from jounce.plant.fmu import CompilerError, export_fmu
 from jounce.plant.fmu.exporting import compile, export
+from jounce.plant.fmu.exporting.ssp import export_ssp_of
 from jounce.shaping import Limits, min_time_move
 
 
@@ -139,6 +140,43 @@ def test_wrong_arguments_are_refused(wrong, error, told, tmp_path):
     with pytest.raises(error, match=told):
         export_fmu(Inertia(1.0), path, **wrong)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "told"),
+    [
+        ("", ValueError, "path = '': expected the path of a file"),
+        ("here", IsADirectoryError, "path = 'here': is a folder; name a file in it"),
+        ("no/a.fmu", FileNotFoundError, "path = 'no/a.fmu': no is not a folder; create it first"),
+        (5, TypeError, "path = 5: expected the path of a file"),
+    ],
+    ids=["empty", "folder", "missing folder", "number"],
+)
+def test_a_path_that_is_no_file_is_refused(given, error, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("here").mkdir()
+    with pytest.raises(error, match=told):
+        export_fmu(Inertia(1.0), given, platforms=[])
+    with pytest.raises(error, match=told):
+        export_ssp_of(given, {"axis": Inertia(1.0)}, [], dt=1.0, duration=1.0, platforms=[])
+    assert [path.name for path in tmp_path.rglob("*")] == ["here"]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@needs_compiler
+def test_a_serialised_state_of_another_length_is_refused(version):
+    host = Host(fmu_of(BLOCKS["inertia"], version)).run()
+    fmu = host.fmu
+    if host.old:
+        get, pack, unpack = fmu.getFMUstate, fmu.serializeFMUstate, fmu.deSerializeFMUstate
+    else:
+        get, pack, unpack = fmu.getFMUState, fmu.serializeFMUState, fmu.deserializeFMUState
+    data = bytes(pack(get()))
+    unpack(data)
+    for wrong in (data + b"x", data[:-1], data[:10], data + data):
+        told = f"size = {len(wrong)}: expected a serialised state of {len(data)}"
+        assert host.refused(unpack, wrong) == told
+    host.close()
 
 
 @pytest.mark.slow

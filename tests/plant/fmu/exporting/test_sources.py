@@ -1,8 +1,10 @@
 """The C sources: clean under strict warnings, one file to compile, no names of their own."""
 
+import platform
 import shutil
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from every_block import BLOCKS, makers
@@ -12,6 +14,7 @@ from jounce.plant.fmu.exporting import sources
 from jounce.plant.fmu.exporting.compile import host_compiler
 from jounce.plant.fmu.exporting.dispatch import block_of
 from jounce.plant.fmu.exporting.sources import MAIN, licences, sources_of
+from jounce.plant.fmu.exporting.xml_fmi3 import build_description
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "-o", "model.o"]
 
@@ -30,6 +33,28 @@ def test_strict_compilers_have_nothing_to_say(name, tmp_path):
             check=False,
         )
         assert done.returncode == 0, done.stderr
+
+
+@needs_compiler
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the option is for x86_64")
+@pytest.mark.skipif(shutil.which("objdump") is None, reason="no objdump to list instructions with")
+def test_no_multiply_add_is_fused_whatever_the_options(tmp_path):
+    for file, text in sources_of(block_of(BLOCKS["trajectory"]()), "2.0", "{token}").items():
+        (tmp_path / file).write_bytes(text)
+    options = ["-std=gnu11", "-O2", "-mfma", "-c", "-o", "model.o"]
+    subprocess.run([*host_compiler(), *options, MAIN], cwd=tmp_path, check=True)
+    listed = subprocess.run(
+        ["objdump", "-d", "model.o"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout
+    assert "mulsd" in listed
+    assert "vfm" not in listed
+    assert "vfnm" not in listed
+
+
+def test_build_description_tells_the_option_for_it():
+    root = ElementTree.fromstring(build_description(block_of(BLOCKS["inertia"]()), [MAIN]))
+    [files] = root.iter("SourceFileSet")
+    assert files.get("compilerOptions") == "-ffp-contract=off"
 
 
 def test_files_that_are_not_needed_are_left_out():
