@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from time import monotonic
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from .cosimulation_result import CosimulationResult
 from .participants import Participant, participant, start_time
 from .wiring import Connections, Wiring, connect, loops
 
-if TYPE_CHECKING:
-    import control
-
 MAX_VALUES = 2**28
 """Values (signals times steps) that a result may have."""
 
@@ -31,7 +28,7 @@ _PATIENCE_S = 1.0  # a run that is over sooner needs no progress bar
 
 
 def cosimulate(
-    blocks: Mapping[str, Fmu | Trajectory | control.StateSpace | control.TransferFunction],
+    blocks: Mapping[str, Any],
     connections: Connections,
     *,
     dt: float,
@@ -60,8 +57,9 @@ def cosimulate(
     Parameters
     ----------
     blocks : mapping of str to Fmu, Trajectory, control.StateSpace or control.TransferFunction
-        Names without dots. FMUs go on from their present state and stay where the run ends;
-        linear systems begin at rest. A trajectory has the outputs position, velocity, … .
+        Or to a plant whose `system()` returns one, such as `Inertia`. Names without dots. FMUs go
+        on from their present state and stay where the run ends; linear systems begin at rest. A
+        trajectory has the outputs position, velocity, … .
     connections : pairs (source, target), or mapping of source to target or targets
         "block.signal" each. A source may begin with "-", or be a number; several sources of one
         target are added. Inputs of FMUs that are not connected stay as they are.
@@ -84,8 +82,8 @@ def cosimulate(
         For a block of another kind.
     FmuError
         A ValueError, for names that nothing has, loose inputs of linear systems, algebraic loops,
-        a duration that is no multiple of dt, FMUs that stand at different times, signals that
-        leave the range of a double, and whatever an FMU reports.
+        units of FMUs that differ, a duration that is no multiple of dt, FMUs that stand at
+        different times, signals that leave the range of a double, and whatever an FMU reports.
 
     References
     ----------

@@ -83,4 +83,8 @@ class CosimulationResult:
         writer.writerow(["time", *self.signals])
         columns = np.column_stack([self.time, *self.signals.values()])
         writer.writerows(map(repr, row) for row in columns.tolist())
-        write_atomically(Path(path), text.getvalue().encode())
+        try:
+            write_atomically(Path(path), text.getvalue().encode())
+        except OSError as error:
+            # its own error names the temporary file
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from error

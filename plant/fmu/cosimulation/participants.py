@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from inspect import signature
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,13 +22,15 @@ class Participant(Protocol):
     """A block of a co-simulation.
 
     `held` are the inputs where nothing is connected, nan where something must be; `through`
-    (outputs, inputs) is True where an output of a step passes an input on within no time.
+    (outputs, inputs) is True where an output of a step passes an input on within no time; `units`
+    are those of the signals that have one.
     """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     held: FloatArray
     through: Any
+    units: Mapping[str, str]
 
     def start(self) -> FloatArray:
         """Return the outputs before the first step."""
@@ -44,12 +47,28 @@ def participant(name: str, block: Any, dt: float, time: FloatArray) -> Participa
         return _FmuBlock(name, block, dt)
     if isinstance(block, Trajectory):
         return _Source(block, time)
-    if isinstance(block, control.StateSpace | control.TransferFunction):
-        return _Linear(name, block, dt)
+    linear = control.StateSpace | control.TransferFunction
+    system = block if isinstance(block, linear) else _own_system(block)
+    if isinstance(system, linear):
+        return _Linear(name, system, dt)
     raise TypeError(
-        f"block {name!r} is a {type(block).__name__}: expected an Fmu (load_fmu), a Trajectory, or "
-        "a python-control StateSpace or TransferFunction"
+        f"block {name!r} is a {type(block).__name__}: expected an Fmu (load_fmu), a Trajectory, a "
+        "python-control StateSpace or TransferFunction, or a plant whose .system() returns one; "
+        "make it one of these, as by pid.sampled(dt), or export_fmu it and load_fmu the file"
     )
+
+
+def _own_system(block: Any) -> Any:
+    """Return what .system() gives where it needs no arguments, else None."""
+    make = getattr(block, "system", None)
+    if isinstance(block, type) or not callable(make):
+        return None
+    needed = signature(make).parameters.values()
+    if any(
+        p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in needed
+    ):
+        return None
+    return make()
 
 
 def start_time(blocks: Iterable[tuple[str, Any]]) -> float:
@@ -68,6 +87,10 @@ class _FmuBlock:
             raise FmuError(f"block {name!r} has no outputs that are numbers: leave it out")
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
+        numeric = fmu.description.of_causality("input", "output")
+        self.units: Mapping[str, str] = {
+            label: v.unit for v in numeric if v.unit not in ("", "1") for label in v.labels
+        }
         self._fmu = fmu
         self._dt = dt
 
@@ -103,6 +126,7 @@ class _Linear:
             )
         self.held = np.full(len(self.inputs), np.nan)
         self.through = held.D != 0.0
+        self.units: Mapping[str, str] = {}
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
         self._before = held.C * late[:, None]
@@ -128,6 +152,7 @@ class _Source:
         self.outputs = tuple(derivative_name(k) for k in range(trajectory.order + 1))
         self.held = np.zeros(0)
         self.through = np.zeros((len(self.outputs), 0), dtype=bool)
+        self.units: Mapping[str, str] = {}
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
 

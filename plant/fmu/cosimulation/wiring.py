@@ -52,6 +52,7 @@ def connect(blocks: Mapping[str, Participant], connections: Connections) -> Wiri
         sign, plain = (-1.0, source[1:].strip()) if source.startswith("-") else (1.0, source)
         if plain not in outputs:
             raise FmuError(_unknown(plain, outputs, inputs, "output", "input"))
+        _check_units(blocks, plain, target)
         weights[name][row, outputs.index(plain)] += sign
         links.append((plain.split(".", 1)[0], name, f"{source} -> {target}"))
     _check_loose(blocks, constants)
@@ -97,6 +98,18 @@ def _unknown(name: str, wanted: Sequence[str], other: Sequence[str], kind: str, 
             "('controller.u', 'plant.u')"
         )
     return f"no {kind} {name!r}{candidates(name, wanted)}"
+
+
+def _check_units(blocks: Mapping[str, Participant], source: str, target: str) -> None:
+    given, taken = (
+        blocks[name].units.get(signal, "")
+        for name, signal in (end.split(".", 1) for end in (source, target))
+    )
+    if given and taken and given != taken:
+        raise FmuError(
+            f"{source!r} is in {given}, {target!r} in {taken}: export both in one unit, or put a "
+            "gain between them, control.ss([], [], [], [[factor]], dt)"
+        )
 
 
 def _check_loose(blocks: Mapping[str, Participant], constants: Mapping[str, FloatArray]) -> None:

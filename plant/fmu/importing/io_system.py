@@ -133,7 +133,7 @@ class _Snapshots:
             raise FmuError(
                 f"state (step, history) = {key}: no snapshot of it is kept. Start at zero and let "
                 "python-control step the system; for going further back raise snapshots= (now "
-                f"{self._most})"
+                f"{self._most}). For a linear model use linearize_fmu, not control.linearize"
             )
         self._kept.move_to_end(key)
         return found

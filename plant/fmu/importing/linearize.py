@@ -10,9 +10,10 @@ import numpy as np
 from ....shaping.checks import positive, whole
 from ....shaping.pieces import FloatArray
 from ...sampled import zero_order_hold
-from .description import FmuError, FmuVariable, candidates
+from .description import FmuError, candidates
 from .io_system import plain_names
 from .realization import impulse_response, realize
+from .responses import check_time_invariance, difference, unit_response
 from .stepping import Fmu
 
 if TYPE_CHECKING:
@@ -24,8 +25,6 @@ _CONTINUOUS = ("Real", "Float64", "Float32")
 
 MAX_HORIZON = 100_000
 MAX_ORDER = 200
-
-_AMPLITUDES = 10.0 ** -np.arange(0, 7)
 
 
 def linearize_fmu(
@@ -49,8 +48,9 @@ def linearize_fmu(
     the jump one step later, by states that remember the input.
 
     With "impulse" each input is raised, and lowered, for one step, and the FMU brought back
-    between the runs; half the difference over the amplitude is the impulse response, and `realize`
-    finds the smallest model that has it. With "directional" the FMU's directional derivatives of
+    between the runs; half the difference over the amplitude is the impulse response. It
+    must foretell what impulses at every step do together; `realize` finds the smallest model that
+    has it. With "directional" the FMU's directional derivatives of
     its continuous states and outputs are discretised by `zero_order_hold`: exact, but blind to
     sampling and to a solver inside the FMU. "auto" takes the derivatives where the FMU gives
     them and steps as they say, else the impulse response.
@@ -85,8 +85,9 @@ def linearize_fmu(
     ------
     FmuError
         For unknown names, an FMU that can neither go back nor give derivatives, a response that
-        is not linear in the amplitude, leaves the range of a double, or that no model of
-        `max_order` states has (inner sampling at another rate than dt, a limit that is met).
+        is zero, not linear in the amplitude, not the same from every step (inner sampling that
+        dt is no multiple of), leaves the range of a double, or that no model of `max_order`
+        states has (a limit that is met).
 
     Notes
     -----
@@ -108,6 +109,8 @@ def linearize_fmu(
     >>> plant.A.round(9).tolist(), plant.B.round(9).ravel().tolist()
     ([[1.0, 0.5], [0.0, 1.0]], [0.0625, 0.25])
     """
+    if not isinstance(fmu, Fmu):
+        raise TypeError(f"fmu = {fmu!r}: expected an Fmu; open the file with load_fmu first")
     dt = _step_size(fmu, dt)
     horizon = whole("horizon", horizon, 4, MAX_HORIZON)
     max_order = whole("max_order", max_order, 1, MAX_ORDER)
@@ -126,13 +129,21 @@ def linearize_fmu(
     if method == "directional" or (derivatives and not back):
         return _directional(fmu, dt, columns, rows)
     fmu.check_rollback("be linearised by impulse responses")
-    measured = [_response(fmu, dt, j, rows, amplitude, horizon, tolerance) for j in columns]
-    response = np.stack([found for found, _ in measured], axis=2)
+    measured = [unit_response(fmu, dt, j, rows, amplitude, horizon, tolerance) for j in columns]
+    for j, one in zip(columns, measured, strict=True):
+        check_time_invariance(fmu, dt, j, rows, one, tolerance)
+    response = np.stack([found.values for found in measured], axis=2)
+    if not response.any():
+        sizes = ", ".join(f"{found.size:g}" for found in measured)
+        raise FmuError(
+            f"the outputs of {fmu.description.model_name} do not react to an impulse of {sizes}: "
+            "give a larger amplitude, or step the FMU to a point where its inputs act"
+        )
     if derivatives:
         model = _directional(fmu, dt, columns, rows)
-        if _distance(impulse_response(model.A, model.B, model.C, horizon), response) <= tolerance:
+        if difference(impulse_response(model.A, model.B, model.C, horizon), response) <= tolerance:
             return model
-    noise = max(change for _, change in measured)
+    noise = max(found.change for found in measured)
     found = realize(response, min(max_order, horizon // 2 - 1), noise=noise)
     if found.residual > tolerance:
         raise FmuError(
@@ -144,77 +155,6 @@ def linearize_fmu(
         )
     states = [f"x{i}" for i in range(1, found.order + 1)]
     return _named(fmu, dt, columns, rows, (found.A, found.B, found.C), states)
-
-
-def _response(
-    fmu: Fmu,
-    dt: float,
-    j: int,
-    rows: list[int],
-    amplitude: float | None,
-    horizon: int,
-    tolerance: float,
-) -> tuple[FloatArray, float]:
-    """Return the response (horizon, rows) to a unit impulse at input j, if it is linear.
-
-    And by how much it changes when the amplitude is halved.
-    """
-    variable = _input(fmu, j)
-    largest = _room(variable, float(fmu.inputs[j]))
-    if amplitude is not None:
-        tries = [min(positive("amplitude", amplitude), largest)]
-    else:
-        tries = [min(abs(variable.nominal or 1.0), largest) * a for a in _AMPLITUDES.tolist()]
-    change, moved = np.inf, False
-    for size in tries:
-        response = _impulse(fmu, dt, j, size, horizon)[:, rows]
-        change = _distance(_impulse(fmu, dt, j, 0.5 * size, horizon)[:, rows], response)
-        if moved and not response.any():
-            break  # a dead zone
-        if change <= tolerance:
-            return response, change
-        moved = moved or bool(response.any())
-    raise FmuError(
-        f"the response of {fmu.description.model_name} to {fmu.input_names[j]!r} is not linear: "
-        f"half an impulse of {size:g} changes it by {change:.2g} of its peak, tolerance = "
-        f"{tolerance:g}; give another amplitude, a shorter horizon or a larger tolerance"
-    )
-
-
-def _impulse(fmu: Fmu, dt: float, j: int, size: float, horizon: int) -> FloatArray:
-    state, held = fmu.get_state(), fmu.inputs
-    runs = []
-    try:
-        for sign in (1.0, -1.0):
-            fmu.set_state(state)
-            raised = held.copy()
-            raised[j] += sign * size
-            outputs = np.empty((horizon, len(fmu.output_names)))
-            outputs[0] = fmu.step(raised, dt)
-            outputs[1] = fmu.step(held, dt)
-            for k in range(2, horizon):
-                outputs[k] = fmu.step(None, dt)
-            runs.append(outputs)
-    finally:
-        fmu.set_state(state)
-    with np.errstate(over="ignore", invalid="ignore"):
-        found: FloatArray = (runs[0] - runs[1]) / (2.0 * size)
-    if not np.isfinite(found).all():
-        raise FmuError(
-            f"the impulse response of {fmu.description.model_name} leaves the range of a double "
-            f"within {horizon} steps: shorten the horizon"
-        )
-    return found
-
-
-def _distance(found: FloatArray, expected: FloatArray) -> float:
-    """Return the largest difference, relative to each channel's largest value so far."""
-    peaks = np.maximum.accumulate(np.abs(expected), axis=0)
-    floor = np.where(peaks[-1] > 0.0, np.finfo(float).tiny, np.inf)
-    scale = np.maximum(peaks, floor)
-    with np.errstate(invalid="ignore", over="ignore"):
-        ratio = np.abs(found - expected) / np.maximum(scale, 1e-12 * peaks[-1])
-    return float(np.nan_to_num(ratio, nan=np.inf).max(initial=0.0))
 
 
 def _gives_derivatives(fmu: Fmu, columns: list[int], rows: list[int]) -> bool:
@@ -303,21 +243,3 @@ def _places(
                 "derivatives: leave it out"
             )
     return [known.index(name) for name in names]
-
-
-def _input(fmu: Fmu, j: int) -> FmuVariable:
-    inputs = fmu.description.of_causality("input")
-    return next(variable for variable in inputs if fmu.input_names[j] in variable.labels)
-
-
-def _room(variable: FmuVariable, present: float) -> float:
-    """Return how far an input may go both ways; FmuError where it is at a bound already."""
-    above = np.inf if variable.max is None else variable.max - present
-    below = np.inf if variable.min is None else present - variable.min
-    room = float(min(above, below))
-    if not room > 0.0:
-        raise FmuError(
-            f"{variable.name!r} = {present!r} is at a bound ({variable.min} to {variable.max}): "
-            "step the FMU with an input between them first"
-        )
-    return room

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -102,14 +103,25 @@ def _start(
     instance = binding_of(description).instantiate(session.library, description, resources, log)
     session.instance = instance
     if dt is None and experiment.step_size is not None:
-        dt = positive("stepSize of the default experiment", experiment.step_size)
+        dt = _suggested(experiment.step_size)
     start = experiment.start_time or 0.0 if start_time is None else start_time
     fmu = Fmu(session, instance, description, log, dt, finite("start_time", start))
     fmu.initialize(parameters)
     return fmu
 
 
+def _suggested(step_size: float) -> float:
+    if not 0.0 < step_size < math.inf:
+        raise FmuError(
+            f"stepSize of the default experiment = {step_size!r}: expected a positive number; give "
+            "load_fmu a dt"
+        )
+    return step_size
+
+
 def _check_digest(path: object, found: str, expected: str | None) -> None:
+    if expected is not None and not isinstance(expected, str):
+        raise TypeError(f"sha256 = {expected!r}: expected a string of hexadecimal digits")
     if expected is not None and found != expected.strip().lower():
         raise FmuError(
             f"{path}: sha256 {found}, expected {expected}: not the file that was pinned; nothing "

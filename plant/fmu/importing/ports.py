@@ -88,10 +88,15 @@ class Port:
     def take(self, given: Mapping[str, float] | ArrayLike) -> None:
         """Put what a caller gives into `values`: a mapping by name, or all of them in order."""
         if isinstance(given, Mapping):
-            for name, value in given.items():
-                self.values[self.position(name)] = value
+            found = {self.position(name): _number(name, value) for name, value in given.items()}
+            for place, value in found.items():
+                self.values[place] = value
             return
-        array = np.asarray(given, dtype=float)
+        array = np.asarray(given)
+        if array.dtype.kind not in "biuf":
+            flat = np.asarray(given, dtype=object).reshape(-1)
+            names = self.labels if len(self.labels) == flat.size else ["inputs"] * flat.size
+            array = np.array([_number(*pair) for pair in zip(names, flat, strict=True)])
         if array.ndim == 0 and self.shape == (1,):
             array = array[None]
         if array.shape != self.shape:
@@ -108,3 +113,12 @@ class Port:
         if found is None:
             raise FmuError(f"no input {name!r}{candidates(name, self.labels)}")
         return found
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, str | bytes | None) or np.ndim(value):
+        raise TypeError(f"input {name!r} = {value!r}: expected a number")
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"input {name!r} = {value!r}: expected a number") from None

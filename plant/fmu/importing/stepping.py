@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import control
 
 _STEP_TOLERANCE = 1e-9
+_DOUBLE = np.dtype(float)
 
 
 class FmuState:
@@ -40,6 +41,9 @@ class FmuState:
 
     def __del__(self) -> None:
         self._session.free_state(self._pointer)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("an FmuState cannot be copied or pickled: take another with get_state")
 
 
 class Fmu:
@@ -103,6 +107,12 @@ class Fmu:
     ) -> None:
         self.close()
 
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            f"{self.description.model_name}: an Fmu cannot be copied or pickled; load it again, "
+            "with load_fmu, for another instance"
+        )
+
     def __repr__(self) -> str:
         state = f"at time {self._time:g}" if self._finalizer.alive else "closed"
         return (
@@ -161,23 +171,27 @@ class Fmu:
         ------
         FmuError
             For unknown names or another number of values, a step of another length than the FMU
-            can take, or an error that the FMU reports, with what it logged.
+            can take, or an error that the FMU reports, with what it logged. The inputs are
+            then as they were before.
+        TypeError
+            For an input that is no number.
         """
-        if inputs is not None:
-            if type(inputs) is np.ndarray and inputs.shape == self._shape:
-                self._values[:] = inputs
-            else:
-                self._inputs.take(inputs)
-            status = self._put()
-            if status > WARNING:
-                self._fail(status, f"take the inputs {self._values.tolist()}")
         length = self._length(dt)
-        base, count, last = self._clock
-        if length != last:
-            base, count = self._time, 0
-        status = self._do_step(self._time, length)
-        if status > WARNING:
-            self._fail(status, f"step from time {self._time!r} by {length!r}")
+        before = self._values.copy()
+        try:
+            if inputs is not None:
+                self._take(inputs)
+            base, count, last = self._clock
+            if length != last:
+                base, count = self._time, 0
+            status = self._do_step(self._time, length)
+            if status > WARNING:
+                self._fail(status, f"step from time {self._time!r} by {length!r}")
+        except BaseException:
+            self._values[:] = before
+            if inputs is not None and self._finalizer.alive:
+                self._put()
+            raise
         count += 1
         self._clock = (base, count, length)
         self._time = base + count * length
@@ -185,6 +199,15 @@ class Fmu:
         if status > WARNING:
             self._fail(status, "show its outputs")
         return self._found.copy()
+
+    def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
+        if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
+            self._values[:] = inputs
+        else:
+            self._inputs.take(inputs)
+        status = self._put()
+        if status > WARNING:
+            self._fail(status, f"take the inputs {self._values.tolist()}")
 
     def reset(self, parameters: Mapping[str, Any] | None = None) -> None:
         """Go back to the start time, with the start values and the parameters of `load_fmu`.
@@ -207,6 +230,8 @@ class Fmu:
     def set_state(self, state: FmuState) -> None:
         """Go back, or forward, to a snapshot of this instance: time, inputs and all."""
         self._check_open()
+        if not isinstance(state, FmuState):
+            raise TypeError(f"state = {state!r}: expected an FmuState, of this Fmu's get_state")
         if state._session is not self._session:
             raise FmuError("a state of another FMU: expected one of this instance's get_state")
         self._check(self._instance.set_state(state._pointer), "go back to a state")
