@@ -109,6 +109,7 @@ def benchmarks() -> str:
         "following",
         "response",
         "margins",
+        "fmu",
         "startup",
     ):
         module = importlib.import_module(name)
