@@ -279,7 +279,9 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
         check_picture(plot)
         from .plots import plot_trajectory
 
-        figure = plot_trajectory(plan.trajectory, unit=plan.unit, scale=plan.scale)
+        figure = plot_trajectory(
+            plan.trajectory, limits=plan.limits, unit=plan.unit, scale=plan.scale
+        )
         writers[plot] = lambda draft: save_figure(figure, draft)
     write_files(writers)
 

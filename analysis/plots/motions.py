@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import cycle
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...shaping import FollowerResponse, Trajectory
+from ...shaping import FollowerResponse, Limits, Trajectory, binding_limits
 from ...shaping.derivatives import derivative_name
-from .style import BLUE, GREY, ORANGE, curve_times, unit_label
+from .style import BLUE, GREY, ORANGE, RED, curve_times, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
 
 _STYLES = ("-", "--", "-.", ":")
 
 
 def plot_trajectory(
-    trajectory: Trajectory, *, unit: str = "", time_unit: str = "s", scale: float = 1.0
+    trajectory: Trajectory,
+    *,
+    limits: Limits | None = None,
+    unit: str = "",
+    time_unit: str = "s",
+    scale: float = 1.0,
 ) -> Figure:
     """Return a picture of a trajectory: position and every derivative, one panel each.
 
     Parameters
     ----------
     trajectory : Trajectory
+    limits : Limits, optional
+        Drawn as dashed lines; where a bound is active its derivative's panel is coloured.
     unit, time_unit : str, optional
         For the labels.
     scale : float, optional
@@ -43,9 +50,26 @@ def plot_trajectory(
         ax.grid(alpha=0.3)
         for switch in trajectory.switch_times:
             ax.axvline(switch, color=GREY, linewidth=0.5, linestyle=":")
+    if limits is not None:
+        _draw_limits(trajectory, limits, panels, scale)
     panels[-1].set_xlabel(f"time [{time_unit}]")
     figure.align_ylabels(panels)
     return figure
+
+
+def _draw_limits(
+    trajectory: Trajectory, limits: Limits, panels: Sequence[Axes], scale: float
+) -> None:
+    """Draw the bounds on the sides in use, and colour the pieces in which they are active."""
+    for k, ax in enumerate(panels[1:], start=1):
+        values = trajectory(curve_times(trajectory), k)
+        for bound in limits.bounds(k):
+            if isfinite(bound) and (values * bound).max() > 0.0:
+                ax.axhline(bound / scale, color=RED, linewidth=0.8, linestyle="--", zorder=1)
+    ends = zip(trajectory.breaks[:-1], trajectory.breaks[1:], strict=True)
+    for active, (start, end) in zip(binding_limits(trajectory, limits), ends, strict=True):
+        for k in active:
+            panels[k].axvspan(start, end, color=ORANGE, alpha=0.2, linewidth=0)
 
 
 def plot_motions(

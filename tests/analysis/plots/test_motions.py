@@ -41,6 +41,23 @@ def legend(ax: Axes) -> list[str]:
 # A trajectory and its derivatives
 
 
+def test_limits_are_drawn_where_they_hold_the_motion_back():
+    """A seven-piece move: jerk, acceleration, jerk, velocity, jerk, acceleration, jerk."""
+    limits = Limits(velocity=2.0, acceleration=10.0, jerk=100.0)
+    move = min_time_move(1.0, limits)
+    _, velocity, acceleration, jerk = plots.plot_trajectory(move, limits=limits, scale=0.5).axes
+    assert [len(ax.patches) for ax in (velocity, acceleration, jerk)] == [1, 2, 4]
+    cruise = velocity.patches[0]
+    assert [cruise.get_x(), cruise.get_x() + cruise.get_width()] == pytest.approx(
+        move.breaks[3:5].tolist()
+    )
+    dashed = [
+        [y.get_ydata()[0] for y in ax.lines if y.get_linestyle() == "--"]
+        for ax in (velocity, acceleration, jerk)
+    ]
+    assert dashed == [[4.0], [-20.0, 20.0], [-200.0, 200.0]]
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 6, 10])
 def test_trajectories(order):
     limits = Limits.from_bounds([*[None] * (order - 1), 4.0**order])
