@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import comb, pi
+from math import comb, log, pi
 
 import numpy as np
 
@@ -14,8 +14,6 @@ from .trajectory import Trajectory
 
 MAX_FILTER_ORDER = 50
 """Highest filter order accepted."""
-
-_SLOW = 3.0  # ω·T of a move below which differences of the lags lose fewer digits
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,12 +128,12 @@ class JerkFilter:
         Notes
         -----
         Derivative k of the output is the filter's response to derivative k of the trajectory,
-        as long as that has no impulses and the filter is not slow beside the move; above, and
-        for slow filters, it follows from the lags, z_j' = ω·(z_{j−1} − z_j).
+        or follows from its response to a lower one by the lags, z_j' = ω·(z_{j−1} − z_j),
+        whichever rounds less.
 
         Each row is within 1e-10 of its peak, but for up to 2e-9 in the highest rows of filters
-        with ωT of 3 to 10 behind moves of order 6, or with ωT of 1e4 behind moves that start
-        100 T late, where the rounding of the break times shows.
+        with ωT of 1e4 behind moves that start 100 T late, where the rounding of the break times
+        shows.
         """
         dt = positive("dt", dt)
         if duration is None:
@@ -144,18 +142,16 @@ class JerkFilter:
         start, drift = trajectory.coasting_in()
         trajectory = trajectory.relative_to_coasting()
         a, b = self.state_space()
-        slow = self.omega * trajectory.duration < _SLOW
-        direct = 0 if slow else min(self.order, trajectory.lowest_jump())
+        highest = min(self.order, trajectory.lowest_jump())
+        inputs = inputs_on_grid(trajectory, time, dt, np.empty((highest + 1, time.size)))
+        sources = self._sources(trajectory, highest)
         states = np.empty((self.order + 1, time.size))
-        for k in range(direct + 1):
-            lags = propagate(a, b, [k], trajectory, dt, time.size, np.zeros(self.order))
-            states[k] = lags[-1]
-        chain = np.empty((self.order + 1, time.size))
-        chain[1:] = lags
-        chain[0] = inputs_on_grid(trajectory, time, dt, np.empty((direct + 1, time.size)))[direct]
         with np.errstate(over="ignore", invalid="ignore"):
-            for k in range(1, self.order + 1 - direct):
-                states[direct + k] = self.derivative_weights(k) @ chain
+            for d in sorted(set(sources)):
+                lags = propagate(a, b, [d], trajectory, dt, time.size, np.zeros(self.order))
+                chain = np.vstack([inputs[d], lags])
+                for k in (k for k, source in enumerate(sources) if source == d):
+                    states[k] = self.derivative_weights(k - d) @ chain
         # the steady response to the motion that coasted in
         states[0] += start + drift * (time - time[0] - self.order / self.omega)
         states[1] += drift
@@ -165,6 +161,19 @@ class JerkFilter:
                 "the problem's own, or a filter of lower order"
             )
         return FilterResponse(time, states)
+
+    def _sources(self, trajectory: Trajectory, highest: int) -> list[int]:
+        """Return of which derivative of the trajectory each row is taken, to round least.
+
+        From derivative d of the trajectory row k = d + q follows as q differences of its lags,
+        which are of the size of its peak and cancel to (2ω)^q of their rounding.
+        """
+        peaks = [max(trajectory.peak(d), 1e-300) for d in range(highest + 1)]
+        costs = [
+            [log(peak) + (k - d) * log(2.0 * self.omega) for d, peak in enumerate(peaks[: k + 1])]
+            for k in range(self.order + 1)
+        ]
+        return [cost.index(min(cost)) for cost in costs]
 
     def derivative_weights(self, k: int) -> FloatArray:
         """Return w (m + 1,): derivative k ≤ m of the output is w·[command, lag 1, …, lag m]."""
