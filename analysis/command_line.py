@@ -71,9 +71,9 @@ def survey_command(
 
     found = survey(scenario)
     files = write_survey(found, output)
-    _print(found.scenario.title, *survey_tables(found))
-    _print(*found.findings)
-    _print(f"Wrote {', '.join(path.name for path in files)} to {output}")
+    print_parts(found.scenario.title, *survey_tables(found))
+    print_parts(*found.findings)
+    print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
 
 
 @app.command("check")
@@ -116,16 +116,16 @@ def check_command(
     except (ValueError, OSError) as error:
         _write_junit_error(error, scenario, baseline, checks, junit)
         if output is CheckFormat.GITHUB:
-            _print(github_error(_message(error)))
+            print_parts(github_error(_message(error)))
         raise
     rows, left_out = shown_rows(report, everything=everything)
     if rows:
-        _print(gate_table(rows, heading(report)))
+        print_parts(gate_table(rows, heading(report)))
     if left_out:
-        _print(f"{left_out}\n")
+        print_parts(f"{left_out}\n")
     if output is CheckFormat.GITHUB:
-        _print(*github_lines(report))
-    _print(summary(report), *(f"Wrote {path}" for path in written))
+        print_parts(*github_lines(report))
+    print_parts(summary(report), *(f"Wrote {path}" for path in written))
     if not report.passed:
         raise typer.Exit(CHECK_FAILED)
 
@@ -187,10 +187,10 @@ def plan_command(
 
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     _write_plan(plan, csv, plot)
-    _print(*plan_tables(plan), *proofs)
+    print_parts(*plan_tables(plan), *proofs)
     for path in (csv, plot):
         if path is not None:
-            _print(f"Wrote {path}")
+            print_parts(f"Wrote {path}")
 
 
 def _refuse_extra(words: list[str]) -> None:
@@ -286,7 +286,7 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
     write_files(writers)
 
 
-def _print(*parts: object) -> None:
+def print_parts(*parts: object) -> None:
     """Print tables and plain text, text as it is: no markup, no emoji, no wrapping."""
     from rich.console import Console
 

@@ -71,7 +71,7 @@ def export_command(
 ) -> None:
     """Write a block of a scenario as an FMU that needs no Python; in rad or m, and s."""
     from ..plant.fmu import CompilerError
-    from .command_line import _print
+    from .command_line import print_parts
     from .scenario import load_scenario
     from .scenario_blocks import OF_A_MOVE, export_block
 
@@ -96,8 +96,8 @@ def export_command(
         told = error.strerror or error
         raise ValueError(f"--output {path}: {told}; give a path that can be written") from None
     binaries = ", ".join(made.platforms) or "no binary, sources only"
-    _print(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
-    _print(*made.notes)
+    print_parts(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
+    print_parts(*made.notes)
 
 
 @fmu_app.command("inspect")
@@ -107,11 +107,11 @@ def inspect_command(
 ) -> None:
     """Print what an FMU says of itself; nothing of it is run or unpacked."""
     from ..plant.fmu.importing.reading import inspect_fmu
-    from .command_line import _print
+    from .command_line import print_parts
     from .fmu_report import fmu_tables
 
     _check_readable(file)
-    _print(*fmu_tables(inspect_fmu(file), local=local))
+    print_parts(*fmu_tables(inspect_fmu(file), local=local))
 
 
 @fmu_app.command("run")
@@ -141,7 +141,7 @@ def run_command(
     """
     from ..plant.fmu.importing.load import load_fmu
     from ..plant.fmu.importing.reading import inspect_fmu
-    from .command_line import _print
+    from .command_line import print_parts
     from .fmu_report import run_table
 
     _check_readable(file)
@@ -154,7 +154,7 @@ def run_command(
         result = _run(fmu, None if duration is None else _seconds("--duration", duration))
     units = _units(description)
     written = _write_run(result, units, description, csv, plot)
-    _print(run_table(result, result.outputs, units), *(f"Wrote {path}" for path in written))
+    print_parts(run_table(result, result.outputs, units), *(f"Wrote {path}" for path in written))
 
 
 def _run(fmu: Fmu, duration: float | None) -> CosimulationResult:
@@ -258,9 +258,9 @@ def _platforms(given: Sequence[str] | None) -> list[str] | None:
 
 
 def _file_name(scenario: Path, block: BlockChoice, move: str | None) -> str:
-    from .output import _slug
+    from .output import slug
 
-    parts = [scenario.stem, block.value] + ([] if move is None else [_slug(move)])
+    parts = [scenario.stem, block.value] + ([] if move is None else [slug(move)])
     return "_".join(parts) + (".ssp" if block is BlockChoice.LOOP else ".fmu")
 
 

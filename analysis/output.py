@@ -62,7 +62,7 @@ def write_survey(survey: Survey, folder: Path) -> list[Path]:
         step = survey.step
         _write_csv(draft / "step.csv", ["time_s", "position"], [step.time, step.position])
         for i, move in enumerate(survey.moves, start=1):
-            _write_move(survey, move, draft / f"move_{i}_{_slug(move.name)}.csv")
+            _write_move(survey, move, draft / f"move_{i}_{slug(move.name)}.csv")
         figure = survey.plot()
         save_figure(figure, draft / "survey.png")
         save_figure(figure, draft / "survey.pdf")
@@ -174,7 +174,7 @@ def _write_move(survey: Survey, move: MoveSurvey, path: Path) -> None:
         f"command_{unit}": any_response.command / scale,
     }
     for name, result in move.responses.items():
-        label = _slug(name)
+        label = slug(name)
         columns[f"position_{label}_{unit}"] = result.response.position / scale
         columns[f"error_{label}_{unit}"] = result.response.error / scale
         columns[f"torque_{label}"] = result.response.torque
@@ -185,8 +185,8 @@ def _write_csv(path: Path, header: Sequence[str], columns: Sequence[np.ndarray])
     write_rows(path, header, np.column_stack(thinned(tuple(columns), _CSV_ROWS)).tolist())
 
 
-def _slug(name: str) -> str:
+def slug(name: str) -> str:
     """Return a name fit for a file or a column: lower case, words joined by underscores."""
     words = name.replace("Ĵ", "j_hat").replace("+", "plus ").replace("-", "minus ")
-    slug = re.sub(r"\W+", "_", words.replace("%", "percent").lower())
-    return slug[:_LONGEST_NAME].strip("_") or "unnamed"
+    joined = re.sub(r"\W+", "_", words.replace("%", "percent").lower())
+    return joined[:_LONGEST_NAME].strip("_") or "unnamed"

@@ -10,7 +10,7 @@ from ..plant import Inertia, InertiaFeedforward, ServoLoop
 from ..plant.fmu import FmuExport, SampledController, export_fmu
 from ..shaping import CommandFollower, JerkFilter, Limits, Trajectory, min_time_move
 from .scenario import Move, Scenario
-from .survey import _controller
+from .survey import controller_of
 
 if TYPE_CHECKING:
     from ..plant.fmu.exporting.ssp import SspExport
@@ -134,7 +134,7 @@ def jerk_filter_of(scenario: Scenario) -> JerkFilter | None:
 def servo_loop_of(scenario: Scenario) -> ServoLoop:
     """Return the loop, its gains designed where the scenario asks for that."""
     try:
-        controller = _controller(scenario)
+        controller = controller_of(scenario)
     except ValueError as error:
         raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
     feedforward = InertiaFeedforward(scenario.feedforward_inertia)

@@ -163,7 +163,7 @@ def survey(scenario: Scenario | str | Path) -> Survey:
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
     try:
-        controller = _controller(scenario)
+        controller = controller_of(scenario)
     except ValueError as error:
         raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
     plant, feedforward = Inertia(scenario.inertia), InertiaFeedforward(scenario.feedforward_inertia)
@@ -189,7 +189,8 @@ def survey(scenario: Scenario | str | Path) -> Survey:
     )
 
 
-def _controller(scenario: Scenario) -> PID:
+def controller_of(scenario: Scenario) -> PID:
+    """Return the controller that a scenario gives or asks for."""
     if isinstance(scenario.gains, Gains):
         return PID(scenario.gains.kp, scenario.gains.ki, scenario.gains.kr)
     if scenario.gains == "published":
