@@ -165,7 +165,7 @@ def test_loop(margins_regression, name):
 def run(folder: Path, margin: float, *options: str) -> tuple[int, str]:
     """Run pytest on a test file in a process of its own."""
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-W", "error", "-p", "no:xdist", *options],
+        [sys.executable, "-m", "pytest", "-q", "-rN", "-W", "error", "-p", "no:xdist", *options],
         cwd=folder,
         env=os.environ | {"MARGIN": str(margin)},
         capture_output=True,
