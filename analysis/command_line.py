@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from difflib import get_close_matches
 from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .fmu_commands import fmu_app
 
 if TYPE_CHECKING:
+    from ..shaping.moves import Method
     from .gate import GateReport
     from .plan import Plan
 
@@ -45,7 +47,9 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
         sys.stdout.reconfigure(errors="replace")
     try:
-        app()
+        with warnings.catch_warnings():
+            warnings.showwarning = _warn
+            app()
     except UnstableLoopError as error:
         _fail(error, CHECK_FAILED)
     except (ValueError, OSError) as error:
@@ -156,8 +160,9 @@ def plan_command(
         int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
     ] = None,
     start: Annotated[str | None, typer.Option(help="Position at the start.")] = None,
-    optimal: Annotated[
-        bool, typer.Option("--optimal", help="From order 4 on: faster than the closed forms.")
+    closed_form: Annotated[
+        bool,
+        typer.Option("--closed-form", help="From order 4 on: few pieces, but slower than need be."),
     ] = False,
     certify: Annotated[
         bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
@@ -179,7 +184,7 @@ def plan_command(
         if k in bounds:
             raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
         bounds[k] = quantity
-    method: Literal["optimal", "closed-form"] = "optimal" if optimal else "closed-form"
+    method: Method = "closed-form" if closed_form else "optimal"
     plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order, method=method)
     proofs = []
     if certify:
@@ -294,6 +299,11 @@ def print_parts(*parts: object) -> None:
     console = Console(width=None if terminal else 160, highlight=False, markup=False, emoji=False)
     for part in parts:
         console.print(part, soft_wrap=isinstance(part, str))
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    """Print a warning as one line, without the place in the code that it comes from."""
+    print(f"jounce: warning: {message}", file=sys.stderr)
 
 
 def _fail(error: Exception, status: int) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
-from typing import Literal
 
 from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
-from ..shaping.moves import MAX_MOVE_ORDER
+from ..shaping.moves import MAX_MOVE_ORDER, Method
 from .units import (
     DURATION,
     Kind,
@@ -47,7 +46,7 @@ def plan_move(
     start: str | None = None,
     rise_time: str | None = None,
     order: int | None = None,
-    method: Literal["optimal", "closed-form"] = "closed-form",
+    method: Method = "optimal",
 ) -> Plan:
     """Plan the fastest move between rests.
 
@@ -64,7 +63,7 @@ def plan_move(
         Rise time of acceleration, in place of a bound on derivative `order`.
     order : int, optional
         Needed with `rise_time`, 3 or more.
-    method : "closed-form" or "optimal", optional
+    method : "optimal" or "closed-form", optional
         As in `min_time_move`.
 
     Raises

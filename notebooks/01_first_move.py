@@ -84,7 +84,7 @@ plt.show()
 
 # %%
 pop = bound_for_rise_time(acceleration=0.2, rise_time=1.0, order=6)
-longer = min_time_move(2.0, Limits(acceleration=0.2, pop=pop))
+longer = min_time_move(2.0, Limits(acceleration=0.2, pop=pop), method="closed-form")
 print(f"pop bound {pop:.4g} deg/s⁶, duration {longer.duration:.4f} s")
 
 # %% [markdown]

@@ -16,6 +16,9 @@ from .trajectory import Trajectory, point, within_range
 
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
+Method = Literal["optimal", "closed-form"]
+"""How `min_time_move` plans from order 4 on."""
+
 MAX_MOVE_ORDER = 14
 """Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
 
@@ -25,9 +28,9 @@ def min_time_move(
     limits: Limits,
     *,
     start: float = 0.0,
-    method: Literal["optimal", "closed-form"] = "closed-form",
+    method: Method = "optimal",
 ) -> Trajectory:
-    """Return the move from rest to rest within limits in minimum time, or nearly so from n = 4.
+    """Return the move from rest to rest within limits in minimum time.
 
     Parameters
     ----------
@@ -37,11 +40,10 @@ def min_time_move(
         Bounds on any of the derivatives 1…n, n ≤ 14; the highest one drives the move.
     start : float, optional
         Position at the start.
-    method : "closed-form" or "optimal", optional
-        "closed-form" (default) is the fastest feasible one of: the perfect spline, the
-        recursive S-curve, recursive S-curves whose innermost ramps are perfect splines,
-        Thompson's longer moves. "optimal" is that or, from n = 4, a linear program's motion
-        where it is faster.
+    method : "optimal" or "closed-form", optional
+        "closed-form" is the fastest feasible one of: the perfect spline, the recursive S-curve,
+        recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves.
+        "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
 
     Returns
     -------
@@ -67,8 +69,9 @@ def min_time_move(
     give the minimum time. For n ≥ 4 with lower bounds active the closed forms can miss it: on the
     22 problems of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from
     rigorous bounds, by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), "optimal" by at
-    most 0.01 %. It takes some tens of milliseconds (a closed form takes less than one), and
-    `certify` proves how near it is.
+    most 0.01 %; `certify` proves how near it is. It takes tens of milliseconds at orders 4 to 6
+    and half a second at order 8, a closed form less than one millisecond. Closed forms change
+    smoothly with their limits; moves of "optimal" do so to their gap only.
 
     Bounds that differ between directions are used exactly for n ≤ 3. For n ≥ 4 the smaller
     magnitude of each pair is used from acceleration upward, by "optimal" that of the even

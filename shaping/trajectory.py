@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from importlib import import_module
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,9 @@ from .evaluation import MAX_SAMPLES, Evaluator
 from .limits import Limits
 from .pieces import FloatArray, advance, evaluate, extrema
 from .trajectory_checks import check_shapes, check_times, finite_array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -413,6 +417,25 @@ class Trajectory:
             second.end_state.copy(),
             min(first.coasting, second.coasting),
         )
+
+    def plot(
+        self,
+        limits: Limits | None = None,
+        *,
+        unit: str = "",
+        time_unit: str = "s",
+        scale: float = 1.0,
+    ) -> Figure:
+        """Return a picture: every derivative, with colour bands where its limit is active.
+
+        `jounce.analysis.plots.plot_trajectory`; without limits the bands show where a derivative
+        stays at its own peak.
+        """
+        motions = import_module("jounce.analysis.plots")  # shaping itself does without matplotlib
+        picture: Figure = motions.plot_trajectory(
+            self, limits=limits, unit=unit, time_unit=time_unit, scale=scale
+        )
+        return picture
 
     def __repr__(self) -> str:
         return (

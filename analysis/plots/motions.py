@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,7 +34,8 @@ def plot_trajectory(
     ----------
     trajectory : Trajectory
     limits : Limits, optional
-        Drawn as dashed lines; where a bound is active its derivative's panel is coloured.
+        Drawn as dashed lines; where a bound is active its derivative's panel is coloured. Without
+        limits a panel is coloured where its derivative stays at its own peak.
     unit, time_unit : str, optional
         For the labels.
     scale : float, optional
@@ -52,6 +53,7 @@ def plot_trajectory(
             ax.axvline(switch, color=GREY, linewidth=0.5, linestyle=":")
     if limits is not None:
         _draw_limits(trajectory, limits, panels, scale)
+    _colour(trajectory, limits or _reached(trajectory), panels)
     panels[-1].set_xlabel(f"time [{time_unit}]")
     figure.align_ylabels(panels)
     return figure
@@ -60,12 +62,28 @@ def plot_trajectory(
 def _draw_limits(
     trajectory: Trajectory, limits: Limits, panels: Sequence[Axes], scale: float
 ) -> None:
-    """Draw the bounds on the sides in use, and colour the pieces in which they are active."""
+    """Draw the bounds on the sides in use."""
     for k, ax in enumerate(panels[1:], start=1):
         values = trajectory(curve_times(trajectory), k)
         for bound in limits.bounds(k):
             if isfinite(bound) and (values * bound).max() > 0.0:
                 ax.axhline(bound / scale, color=RED, linewidth=0.8, linestyle="--", zorder=1)
+
+
+def _reached(trajectory: Trajectory) -> Limits | None:
+    """Return the extremes of a motion as limits; None where nothing moves."""
+    extremes = [trajectory.extremes(k) for k in range(1, trajectory.order + 1)]
+    if not any(low < 0.0 or high > 0.0 for low, high in extremes):
+        return None
+    return Limits.from_bounds(
+        (low if low < 0.0 else -inf, high if high > 0.0 else inf) for low, high in extremes
+    )
+
+
+def _colour(trajectory: Trajectory, limits: Limits | None, panels: Sequence[Axes]) -> None:
+    """Colour the pieces in which a derivative is at its limit."""
+    if limits is None:
+        return
     ends = zip(trajectory.breaks[:-1], trajectory.breaks[1:], strict=True)
     for active, (start, end) in zip(binding_limits(trajectory, limits), ends, strict=True):
         for k in active:

@@ -169,7 +169,7 @@ def figure_6() -> Figure:
             Limits.from_bounds([velocity, acceleration, *[None] * (n - 3), bound])
             for n, bound in bounds.items()
         ]
-        moves = tuple(min_time_move(2.0, each) for each in limits)
+        moves = tuple(min_time_move(2.0, each, method="closed-form") for each in limits)
         columns.append(_Column(title, moves, limits[-1]))
     figure = _draw(columns, derivatives=(0, 1, 2, 3, 6), size=(11.0, 9.0))
     for ax in figure.axes[:2]:
@@ -178,7 +178,7 @@ def figure_6() -> Figure:
 
 
 def _case(title: str, distance: float, limits: Limits, switches: str) -> _Column:
-    move = min_time_move(distance, limits)
+    move = min_time_move(distance, limits, method="closed-form")  # as in the paper
     title = f"{title}\nR = {distance:g} deg, T = {move.duration:.4f} s"
     return _Column(title, (move,), limits, tuple(switches.split()))
 

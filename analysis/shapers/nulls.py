@@ -132,7 +132,7 @@ def null_by_size(limits: Limits, distances: ArrayLike, frequency_hz: float) -> N
     Parameters
     ----------
     limits : Limits
-        Of the moves, `min_time_move(distance, limits)`.
+        Of the moves, `min_time_move(distance, limits, method="closed-form")`.
     distances : (M,) array
         Signed, other than zero.
     frequency_hz : float
@@ -156,10 +156,10 @@ def null_by_size(limits: Limits, distances: ArrayLike, frequency_hz: float) -> N
     sizes, frequency = checked_distances(distances), positive("frequency_hz", frequency_hz)
     rows = []
     for distance in sizes.tolist():
-        move = min_time_move(distance, limits)
+        move = min_time_move(distance, limits, method="closed-form")
         null = _nearest_null(move, 2.0 * np.pi * frequency)
         smaller, larger = (
-            _nearest_null(min_time_move(distance * factor, limits), null)
+            _nearest_null(min_time_move(distance * factor, limits, method="closed-form"), null)
             for factor in (1.0 - _STEP, 1.0 + _STEP)
         )
         exponent = np.log(larger / smaller) / np.log((1.0 + _STEP) / (1.0 - _STEP))

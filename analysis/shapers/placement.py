@@ -75,7 +75,7 @@ class _Plan:
 
     def first(self) -> _Candidate:
         """Return the move as it is, with the highest bound that would make a difference to it."""
-        move = min_time_move(self.distance, self.limits)
+        move = _move(self.distance, self.limits)
         highest = min(self.derivative, move.order)
         rate = _NARROW * self.omega / (2.0 * pi)
         bound = move.peak(highest) * rate ** (self.derivative - highest)
@@ -84,7 +84,7 @@ class _Plan:
     def at(self, bound: float) -> _Candidate:
         """Return the move with a bound."""
         limits = lowered(self.limits, self.derivative, bound)
-        return _Candidate(bound, limits, min_time_move(self.distance, limits), self.omega)
+        return _Candidate(bound, limits, _move(self.distance, limits), self.omega)
 
     def walk(self) -> Iterator[_Candidate]:
         """Yield moves with lower and lower bounds, near enough to miss no null between them."""
@@ -112,9 +112,11 @@ def place_null(
 ) -> Limits:
     """Return limits, one of them lowered, under which a move has a null at a frequency.
 
-    The highest bound, and so the fastest move, with which `min_time_move(distance, limits)` does
-    not ring a mode of that frequency: H(jω) = 0 without damping. With damping no real bound makes
-    it zero; then the bound is the one with the least residual vibration next to that null.
+    The highest bound, and so the fastest move, with which
+    `min_time_move(distance, limits, method="closed-form")` does not ring a mode of that frequency:
+    H(jω) = 0 without damping. With damping no real bound makes it zero; then the bound is the one
+    with the least residual vibration next to that null. From order 4 on the null is that of the
+    closed form only: the optimal move has other switches.
 
     Parameters
     ----------
@@ -167,6 +169,11 @@ def place_null(
     if ratio == 0.0 or found.limits == limits:
         return found.limits
     return _least_residual(plan, found, omega, ratio)
+
+
+def _move(distance: float, limits: Limits) -> Trajectory:
+    """Return the closed form, which changes continuously with the bounds, most of the time."""
+    return min_time_move(distance, limits, method="closed-form")
 
 
 def lowered(limits: Limits, derivative: int, bound: float) -> Limits:

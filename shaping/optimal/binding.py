@@ -11,7 +11,7 @@ from ..trajectory import Trajectory
 
 
 def binding_limits(
-    trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-6
+    trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-3
 ) -> tuple[tuple[int, ...], ...]:
     """Return the derivatives that are at a bound all along each piece.
 
@@ -20,7 +20,8 @@ def binding_limits(
     trajectory : Trajectory
     limits : Limits
     rtol : float, optional
-        How near to its bound, relative, a derivative counts as at it.
+        How near to its bound, relative, a derivative counts as at it. An optimal move of order 4
+        or more comes as near as that where its true minimum would stay at the bound.
 
     Returns
     -------

@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -112,7 +113,9 @@ def test_plan_takes_several_limits(run):
 
 
 def test_plan_takes_a_rise_time(run):
-    status, out, _ = run("plan", "600 deg", *LIMIT, "--rise-time", "1 s", "--order", "6")
+    status, out, _ = run(
+        "plan", "600 deg", *LIMIT, "--rise-time", "1 s", "--order", "6", "--closed-form"
+    )
     assert status == 0
     row = next(line.split() for line in out.splitlines() if line.split()[:1] == ["pop"])
     assert row[1:3] == ["76.8", "76.8"]
@@ -132,7 +135,7 @@ def test_plan_goes_faster_than_the_closed_forms(run):
     limits = ("--velocity", "2 deg/s", "--acceleration", "1 deg/s^2", "--jerk", "2 deg/s^3")
     move = ("plan", "0.5 deg", *limits, "--snap", "8 deg/s^4", "--crackle", "40 deg/s^5")
     durations = []
-    for options in ((), ("--optimal", "--certify")):
+    for options in (("--closed-form",), ("--certify",)):
         status, out, errors = run(*move, *options)
         assert (status, errors) == (0, [])
         durations.append(float(out.split("Move of order 5, ")[1].split()[0]))
@@ -140,6 +143,16 @@ def test_plan_goes_faster_than_the_closed_forms(run):
     proven = float(out.split("proven minimum")[1].split()[0])
     assert proven <= optimal < closed * (1 - 1e-3)
     assert optimal < proven * 1.001
+
+
+def test_plan_warns_in_one_line_where_it_returns_a_closed_form(run):
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        status, out, errors = run("plan", "9 mm", "--limit", "2=1 mm/s^2", "--limit", "11=9 m/s^11")
+    assert status == 0
+    assert "Move of order 11" in out
+    assert len(errors) == 1, errors
+    assert errors[0].startswith("jounce: warning: order 11 is above 10")
 
 
 def test_plan_cuts_no_number_off(run):

@@ -152,7 +152,7 @@ def test_the_printed_gains_overshoot_by_21_5_percent():
 def test_perfect_feedforward_leaves_no_error_whatever_the_gains(bounds, seed, sign, step):
     rng = np.random.default_rng(seed)
     moment = 10.0 ** rng.uniform(-3, 3)
-    move = min_time_move(sign, Limits.from_bounds(bounds))
+    move = min_time_move(sign, Limits.from_bounds(bounds), method="closed-form")
     unit = 2 * pi / move.duration
     gains = PID(*(moment * rng.uniform(0.1, 5.0, 3) * [unit**2, 0.1 * unit**3, unit]))
     dt = step * move.duration
@@ -202,7 +202,9 @@ def test_the_error_is_linear_in_the_estimate():
 @pytest.mark.parametrize("estimate", [0.0, MOMENT, 2.0])
 def test_momentum_balances_the_torque(order, estimate):
     """∫u dt = J·Δv over every piece, by Gauss's rule."""
-    move = min_time_move(1.0, Limits.from_bounds([0.5, 1.0, 4.0, None, None, 4096.0][:order]))
+    move = min_time_move(
+        1.0, Limits.from_bounds([0.5, 1.0, 4.0, None, None, 4096.0][:order]), method="closed-form"
+    )
     loop = loop_with(estimate)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     for left, right in pairwise(move.breaks):
@@ -291,7 +293,9 @@ def test_the_signals_of_a_response():
 @pytest.mark.parametrize("filter_order", [1, 2, 4, 6])
 @pytest.mark.parametrize("corner", [0.5, 20.0])
 def test_perfect_feedforward_passes_the_filtered_command_on(order, filter_order, corner):
-    move = min_time_move(-2.0, Limits.from_bounds([0.5, 1.0, 4.0, 30.0, 4e2, 4e3][:order]))
+    move = min_time_move(
+        -2.0, Limits.from_bounds([0.5, 1.0, 4.0, 30.0, 4e2, 4e3][:order]), method="closed-form"
+    )
     jerk_filter = JerkFilter(corner, filter_order)
     length = move.duration + jerk_filter.settling_time(1e-6)
     response = loop_with(MOMENT).respond(move, 0.01, duration=length, jerk_filter=jerk_filter)

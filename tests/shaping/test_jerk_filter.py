@@ -148,7 +148,9 @@ BOUNDS = [0.9, 2.2, 15.0, 150.0, 2e3, 4e4]
 
 
 def full_move(order, distance=1.0, start=0.0):
-    return min_time_move(distance, Limits.from_bounds(BOUNDS[:order]), start=start)
+    return min_time_move(
+        distance, Limits.from_bounds(BOUNDS[:order]), start=start, method="closed-form"
+    )
 
 
 def long(*values):
@@ -235,7 +237,7 @@ def test_every_derivative_for_minimum_time_moves(order, filter_order):
     seed=st.integers(0, 2**32 - 1),
 )
 def test_every_derivative_for_random_moves(bounds, filter_order, corner, sign, steps, seed):
-    move = min_time_move(sign, Limits.from_bounds(bounds))
+    move = min_time_move(sign, Limits.from_bounds(bounds), method="closed-form")
     jerk_filter = JerkFilter(corner / move.duration, filter_order)
     dt = move.duration / steps
     check_exact(jerk_filter, move, dt, move_text(sign, bounds), samples=2, seed=seed)
@@ -259,7 +261,7 @@ def test_every_derivative_just_behind_a_ramp():
     seed=st.integers(0, 2**32 - 1),
 )
 def test_every_derivative_of_any_filter(bounds, filter_order, corner, velocity, delay, seed):
-    base = min_time_move(1.0, Limits.from_bounds(bounds))
+    base = min_time_move(1.0, Limits.from_bounds(bounds), method="closed-form")
     move = drifting(base.delay(delay * base.duration), velocity / base.duration)
     jerk_filter = JerkFilter(corner / move.duration, filter_order)
     dt = min(0.1 / corner, 0.01) * move.duration
@@ -338,7 +340,7 @@ def test_dt_does_not_change_values(order, filter_order):
 @pytest.mark.parametrize("order", [1, 3, 6])
 def test_a_trajectory_shorter_than_dt_is_not_missed(order):
     bounds = [b * 1e3**k for k, b in enumerate(BOUNDS[:order], start=1)]
-    move = min_time_move(1.0, Limits.from_bounds(bounds))
+    move = min_time_move(1.0, Limits.from_bounds(bounds), method="closed-form")
     assert move.duration < 0.01
     check_exact(JerkFilter(2.0, 6), move, 0.05, move_text(1.0, bounds))
 
@@ -350,7 +352,7 @@ def test_a_trajectory_shorter_than_dt_is_not_missed(order):
 )
 def test_the_rows_obey_the_filters_own_equation(bounds, filter_order, corner):
     """(1 + s/ω)^m y = r, at every sample; between samples every row integrates the next."""
-    move = min_time_move(1.0, Limits.from_bounds(bounds))
+    move = min_time_move(1.0, Limits.from_bounds(bounds), method="closed-form")
     jerk_filter = JerkFilter(corner / move.duration, filter_order)
     response = jerk_filter.respond(move, move.duration / 300, duration=2.0 * move.duration)
     scaled = response.states / jerk_filter.omega ** np.arange(filter_order + 1.0)[:, None]
@@ -401,7 +403,7 @@ def test_derivatives_match_the_convolution_by_quadrature(order):
 @pytest.mark.parametrize("order", [*range(1, 7), long(7), long(8)])
 def test_monotone_moves_never_overshoot(order, filter_order):
     bounds = [0.9, 2.2, 15.0, 150.0, 2e3, 4e4, 1e6, 3e7][:order]
-    move = min_time_move(-2.0, Limits.from_bounds(bounds), start=2.0)
+    move = min_time_move(-2.0, Limits.from_bounds(bounds), start=2.0, method="closed-form")
     for corner in (0.3, 5.0):
         y = JerkFilter(corner, filter_order).respond(move, 0.01).states[:2]
         assert y[0].max() <= 2.0 * (1 + 1e-15)

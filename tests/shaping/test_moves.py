@@ -33,9 +33,9 @@ DIVISORS = [1, 4, 32, 384, 6144, 122880, 2949120, 82575360, 2642411520, 95126814
 ROUNDING = 4 * np.finfo(float).eps
 
 
-def make(distance, bounds, **options):
+def make(distance, bounds, *, method="closed-form", **options):
     """Return the move under a list of bounds."""
-    return min_time_move(distance, Limits.from_bounds(bounds), **options)
+    return min_time_move(distance, Limits.from_bounds(bounds), method=method, **options)
 
 
 def assert_sound(move, distance, bounds):

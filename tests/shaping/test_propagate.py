@@ -108,7 +108,9 @@ def test_any_system_for_any_trajectory(seed, size, inputs, order, kind, trajecto
 @pytest.mark.parametrize("order", [2, 3, 6])
 def test_moves_match_numerical_integration(kind, order):
     a, b, initial = random_system(7 + order, 3, 2, kind)
-    move = min_time_move(1.3, Limits.from_bounds([0.8, 2.0, 11.0, 90.0, 1e3, 2e4][:order]))
+    move = min_time_move(
+        1.3, Limits.from_bounds([0.8, 2.0, 11.0, 90.0, 1e3, 2e4][:order]), method="closed-form"
+    )
     states = propagate(a, b, (0, 1), move, 0.05, 61, initial)
     reference = as_ppoly(move)
     velocity, x, expected = reference.derivative(), initial, [initial]

@@ -458,8 +458,12 @@ def test_until_refuses_what_is_no_time(time):
 @pytest.mark.parametrize("dwell", [0.0, 0.75])
 @pytest.mark.parametrize("orders", [(1, 1), (2, 2), (4, 4), (2, 5), (5, 2), (3, 4), (1, 3)])
 def test_then_is_one_motion_after_the_other(orders, dwell):
-    first = min_time_move(-2.0, Limits.from_bounds([1.0] * orders[0])).delay(0.5)
-    second = min_time_move(3.0, Limits.from_bounds([2.0] * orders[1]), start=10.0)
+    first = min_time_move(-2.0, Limits.from_bounds([1.0] * orders[0]), method="closed-form").delay(
+        0.5
+    )
+    second = min_time_move(
+        3.0, Limits.from_bounds([2.0] * orders[1]), start=10.0, method="closed-form"
+    )
     joined = first.then(second, dwell=dwell)
     assert joined.order == max(orders)
     assert joined.duration == pytest.approx(first.duration + dwell + second.duration, rel=1e-14)

@@ -22,7 +22,7 @@ NONE = Limits(velocity=1.0)
 def random_move(order, seed):
     rng = np.random.default_rng((order, seed))
     bounds = [10.0 ** rng.uniform(0.0, 0.7 * k) for k in range(1, order + 1)]
-    return min_time_move(1.0, Limits.from_bounds(bounds))
+    return min_time_move(1.0, Limits.from_bounds(bounds), method="closed-form")
 
 
 def encoder_log(move, seed, kind, count=800):
@@ -122,7 +122,7 @@ HASTY = {
 @pytest.mark.parametrize("bounds", HASTY.values(), ids=HASTY)
 def test_what_exceeds_a_limit_by_half_is_never_called_kept(bounds):
     """Its upper end would lie below two thirds of the true peak; the limit then in between."""
-    move = min_time_move(5.0, Limits.from_bounds(bounds))
+    move = min_time_move(5.0, Limits.from_bounds(bounds), method="closed-form")
     rng = np.random.default_rng(7)
     for step in (0.003, 0.01, 0.05):
         times, positions = rested(move, step)
@@ -142,7 +142,7 @@ def test_what_exceeds_a_limit_by_half_is_never_called_kept(bounds):
 
 def test_good_logs_are_called_kept():
     for bounds in ((3.0, 4.0, 20.0), (3.0, 4.0, 60.0), (1.0, 2.0, 20.0)):
-        move = min_time_move(5.0, Limits.from_bounds(bounds))
+        move = min_time_move(5.0, Limits.from_bounds(bounds), method="closed-form")
         times, positions = rested(move, 0.001)
         readings = 1e-5 * np.round(positions / 1e-5)
         allowed = Limits(1.1 * bounds[0], 1.1 * bounds[1], 2.0 * bounds[2])

@@ -58,6 +58,29 @@ def test_limits_are_drawn_where_they_hold_the_motion_back():
     assert dashed == [[4.0], [-20.0, 20.0], [-200.0, 200.0]]
 
 
+def bands(figure: Figure) -> list[list[tuple[float, float]]]:
+    """Return start and end of the colour bands of each panel."""
+    return [[(b.get_x(), b.get_x() + b.get_width()) for b in ax.patches] for ax in figure.axes]
+
+
+@pytest.mark.parametrize("distance", [1.0, -1.0])
+def test_without_limits_the_bands_are_where_a_derivative_stays_at_its_peak(distance):
+    """Of a move whose bounds are all reached these are the bands of its limits."""
+    limits = Limits(velocity=2.0, acceleration=10.0, jerk=100.0)
+    move = min_time_move(distance, limits)
+    found = move.plot()
+    assert bands(found) == bands(move.plot(limits))
+    assert [len(panel) for panel in bands(found)] == [0, 1, 2, 4]
+    assert [len(ax.lines) for ax in found.axes] < [len(ax.lines) for ax in move.plot(limits).axes]
+    assert bands(min_time_move(0.0, limits).plot()) == [[], [], [], []]
+
+
+def test_a_trajectory_draws_itself_with_units():
+    figure = min_time_move(1.0, Limits(acceleration=1.0)).plot(unit="deg", time_unit="min", scale=2)
+    assert figure.axes[2].get_ylabel() == "acceleration\n[deg/min²]"
+    assert max(figure.axes[0].lines[0].get_ydata()) == pytest.approx(0.5)
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 6, 10])
 def test_trajectories(order):
     limits = Limits.from_bounds([*[None] * (order - 1), 4.0**order])

@@ -43,7 +43,7 @@ def test_a_derivative_without_a_bound_gets_one():
     assert upper(place_null(5.1, limits, 4.0), "jerk") == pytest.approx(7.6, rel=1e-12)
     snap = place_null(5.1, limits, 4.0, by="snap")
     assert snap.order == 4
-    assert residual_vibration(min_time_move(5.1, snap), 4.0) < 1e-15
+    assert residual_vibration(min_time_move(5.1, snap, method="closed-form"), 4.0) < 1e-15
 
 
 @pytest.mark.parametrize("derivative", range(1, 8), ids=derivative_name)
@@ -52,10 +52,10 @@ def test_any_limit_of_any_order(order, derivative):
     rng = np.random.default_rng((order, derivative))
     limits = Limits.from_bounds([10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)])
     distance = 10.0 ** rng.uniform(-2.0, 1.0)
-    before = min_time_move(distance, limits)
+    before = min_time_move(distance, limits, method="closed-form")
     frequency_hz = 10.0 ** rng.uniform(-0.7, 1.0) / before.duration
     found = place_null(distance, limits, frequency_hz, by=derivative)
-    move = min_time_move(distance, found)
+    move = min_time_move(distance, found, method="closed-form")
     assert residual_vibration(move, frequency_hz) < 1e-12 * distance
     assert move.violation(limits) < 1e-12
     for k in range(1, order + 1):
@@ -70,13 +70,13 @@ def test_no_higher_limit_has_a_null(derivative):
     """A dense search of its own between the limit found and the one given."""
     limits, distance, frequency_hz = Limits(2.0, 3.3, 25.0), 1.27, 1.1
     found = place_null(distance, limits, frequency_hz, by=derivative)
-    given = min_time_move(distance, limits).peak(derivative)
+    given = min_time_move(distance, limits, method="closed-form").peak(derivative)
     bounds = np.geomspace(upper(found, derivative) * 1.0005, given, 1000)
     signs = set()
     for bound in bounds:
         pairs = list(limits.upper)
         pairs[derivative - 1] = bound
-        move = min_time_move(distance, Limits.from_bounds(pairs))
+        move = min_time_move(distance, Limits.from_bounds(pairs), method="closed-form")
         omega = 2.0 * pi * frequency_hz
         time = np.linspace(0.0, move.duration, 401)
         kernel = np.cos(omega * (time - 0.5 * move.duration))

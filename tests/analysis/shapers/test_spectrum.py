@@ -37,7 +37,9 @@ def in_120_digits(motion, s, from_end):
 def random_move(order, seed):
     rng = np.random.default_rng((order, seed))
     bounds = [10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)]
-    return min_time_move(float(rng.choice([-1.7, 1.7])), Limits.from_bounds(bounds), start=0.3)
+    return min_time_move(
+        float(rng.choice([-1.7, 1.7])), Limits.from_bounds(bounds), start=0.3, method="closed-form"
+    )
 
 
 @pytest.mark.parametrize("from_end", [False, True], ids=["from start", "from end"])

@@ -17,7 +17,9 @@ BOUNDS = [1.0, 4.0, 30.0, 400.0, 9e3, 3e5]
 
 
 def move_of(order, distance=1.7):
-    return min_time_move(distance, Limits.from_bounds(BOUNDS[:order]), start=0.4)
+    return min_time_move(
+        distance, Limits.from_bounds(BOUNDS[:order]), start=0.4, method="closed-form"
+    )
 
 
 def amplitude(deflection, rate, frequency_hz, damping):
@@ -170,7 +172,7 @@ def test_a_map_is_move_by_move():
     found = vibration_map(limits, distances, frequencies, 0.02, jerk_filter=jerk_filter)
     assert found.residual.shape == found.relative.shape == (3, 4)
     for i, distance in enumerate(distances):
-        move = min_time_move(distance, limits)
+        move = min_time_move(distance, limits, method="closed-form")
         assert found.durations[i] == move.duration
         expected = residual_vibration(move, frequencies, 0.02, jerk_filter=jerk_filter)
         np.testing.assert_array_equal(found.residual[i], expected)
