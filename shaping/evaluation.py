@@ -10,7 +10,7 @@ from .pieces import FloatArray, evaluate, evaluate_sorted
 MAX_SAMPLES = 10**9
 """Longest time grid."""
 
-_GATHER_BELOW = 4096  # points up to which looking up every point's piece is the faster way
+_LONG_RUN = 1000  # points a piece from which a run per piece is faster than a look-up per point
 _BLOCK = 8192  # points evaluated at a time, so that the work stays in the cache
 
 
@@ -45,9 +45,8 @@ class Evaluator:
         if out is None:
             out = np.empty((len(derivatives), flat.size))
         out = out.reshape(len(derivatives), flat.size)
-        if flat.size <= _GATHER_BELOW:
-            self._gather(flat, derivatives, out)
-        elif bool((flat[1:] >= flat[:-1]).all()):
+        runs_are_long = flat.size >= _LONG_RUN * len(self.longest)
+        if runs_are_long and bool((flat[1:] >= flat[:-1]).all()):
             self._sweep(flat, derivatives, out)
         else:
             for i in range(0, flat.size, _BLOCK):
