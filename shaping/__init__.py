@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .jerk_filter import FilterResponse, JerkFilter
 from .limits import Limits
 from .min_jerk import min_jerk_move
-from .moves import bound_for_rise_time, min_time_move, perfect_spline
+from .moves import bound_for_rise_time, min_time_move, perfect_spline, recursive_s_curve
 from .rise import switch_fractions
 from .trajectory import Trajectory
 
@@ -70,6 +70,7 @@ __all__ = [
     "min_time_transfers",
     "optimal_move",
     "perfect_spline",
+    "recursive_s_curve",
     "s_curve_move",
     "switch_fractions",
     "synchronize",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, isfinite
 from typing import Literal
 
 from .checks import finite, positive, whole
-from .closed_form import fastest_plan
+from .closed_form import chain_plan, fastest_plan
 from .derivatives import derivative_name
 from .limits import Limits
 from .low_order import low_order_move
@@ -93,29 +94,71 @@ def min_time_move(
     >>> move.peak("jerk")
     1.0
     """
-    distance, start = finite("distance", distance), finite("start", start)
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
     if method not in ("optimal", "closed-form"):
         raise ValueError(f"method = {method!r}: expected 'optimal' or 'closed-form'")
-    if limits.order > MAX_MOVE_ORDER:
-        raise ValueError(
-            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
-            "drop the highest bounds or use perfect_spline"
-        )
-    if distance == 0.0:
-        return point(start, limits.order)
-    forward = limits if distance > 0.0 else limits.mirror()
-    _check_bounded(forward)
-    move = within_range(lambda: _positive_move(abs(distance), limits, forward))
-    _check_kept(move, forward)
-    if method == "optimal" and forward.order > 3:
+
+    def plan(length: float, forward: Limits) -> Trajectory:
+        move = within_range(lambda: _fastest(length, forward))
+        _check_kept(move, forward)
+        if method == "closed-form" or forward.order <= 3:
+            return move
         from .optimal.minimum_time import faster_or_warn  # which is built on the closed forms
 
-        move = faster_or_warn(move, forward)
-    if distance < 0.0:
-        move = move.mirror()
-    return move.shift(start) if start else move
+        return faster_or_warn(move, forward)
+
+    return _move(distance, limits, start, plan)
+
+
+def recursive_s_curve(distance: float, limits: Limits, *, start: float = 0.0) -> Trajectory:
+    """Return the S-curve that is planned from the highest derivative down, each by itself.
+
+    Every derivative is a pulse of the one below, up, hold and down, as wide as the bounds below
+    it and the distance allow; the hold may vanish. It is what motion controllers and the
+    literature extend to any order, and the minimum time for n ≤ 3 only: with nothing but x^(n)
+    bounded it takes (2^(n(n+1)/2−1)·R/D)^(1/n) in equal pieces, which is 7 % more than the perfect
+    spline for n = 4, 22 % for n = 5 and 43 % for n = 6.
+
+    Parameters
+    ----------
+    distance : float
+        Signed distance.
+    limits : Limits
+        As in `min_time_move`; of bounds that differ between directions the smaller magnitude
+        counts from acceleration upward.
+    start : float, optional
+        Position at the start.
+
+    Returns
+    -------
+    Trajectory
+        Of order n, starting at time 0.
+
+    Raises
+    ------
+    ValueError
+        As `min_time_move`.
+
+    References
+    ----------
+    Lambrechts, 2005; Pourkavoos, "Piecewise Polynomials with Bounded Derivatives", 2023.
+
+    Examples
+    --------
+    >>> limits = Limits(pop=1.0)
+    >>> ratio = recursive_s_curve(1.0, limits).duration / min_time_move(1.0, limits).duration
+    >>> round(ratio, 4)
+    1.4295
+    """
+
+    def plan(length: float, forward: Limits) -> Trajectory:
+        bounds = _magnitudes(forward)
+        move = within_range(
+            lambda: to_trajectory(chain_plan(length, bounds, forward.order - 1).build())
+        )
+        _check_kept(move, forward)
+        return move
+
+    return _move(distance, limits, start, plan)
 
 
 def perfect_spline(distance: float, order: int, bound: float, *, start: float = 0.0) -> Trajectory:
@@ -225,14 +268,45 @@ def _check_kept(move: Trajectory, limits: Limits) -> None:
             )
 
 
-def _positive_move(distance: float, limits: Limits, forward: Limits) -> Trajectory:
+def _move(
+    distance: float,
+    limits: Limits,
+    start: float,
+    plan: Callable[[float, Limits], Trajectory],
+) -> Trajectory:
+    """Return a move in either direction, planned in the positive one, after checks."""
+    distance, start = finite("distance", distance), finite("start", start)
+    if not isinstance(limits, Limits):
+        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
+    if limits.order > MAX_MOVE_ORDER:
+        raise ValueError(
+            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
+            "drop the highest bounds or use perfect_spline"
+        )
+    if distance == 0.0:
+        return point(start, limits.order)
+    forward = limits if distance > 0.0 else limits.mirror()
+    _check_bounded(forward)
+    move = plan(abs(distance), forward)
+    if distance < 0.0:
+        move = move.mirror()
+    return move.shift(start) if start else move
+
+
+def _fastest(distance: float, limits: Limits) -> Trajectory:
+    """Return the fastest closed form in positive direction."""
     if limits.order <= 3:
-        return low_order_move(distance, forward)
-    bounds = [min(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
-    bounds[0] = forward.upper[0]
+        return low_order_move(distance, limits)
+    bounds = _magnitudes(limits)
     if not 0.0 < distance / bounds[-1] < inf:
         raise OverflowError
     return to_trajectory(fastest_plan(distance, bounds).build())
+
+
+def _magnitudes(limits: Limits) -> list[float]:
+    """Return one bound per derivative: velocity's forward, the smaller one of the others."""
+    smaller = [min(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
+    return [limits.upper[0], *smaller[1:]]
 
 
 def _positive_spline(distance: float, order: int, bound: float) -> Trajectory:

@@ -25,6 +25,7 @@ from jounce.shaping import (
     bound_for_rise_time,
     min_time_move,
     perfect_spline,
+    recursive_s_curve,
     switch_fractions,
 )
 
@@ -347,6 +348,50 @@ def test_perfect_spline_starts_anywhere():
     move = perfect_spline(-2.0, 4, 1.0, start=7.0)
     assert (move.start_state[0], move.end_state[0]) == (7.0, 5.0)
     assert perfect_spline(0.0, 4, 1.0, start=7.0).extremes(0) == (7.0, 7.0)
+
+
+# The recursion of the field
+
+
+@pytest.mark.parametrize(
+    "problem", [pytest.param(problem, id=problem.name) for problem in reference_problems()]
+)
+def test_the_recursion_takes_as_long_as_published(problem):
+    bounds = [None if bound == inf else bound for bound in problem.bounds]
+    move = recursive_s_curve(problem.distance, Limits.from_bounds(bounds))
+    assert_sound(move, problem.distance, bounds)
+    assert move.duration == pytest.approx(problem.recursion, rel=1e-9)
+
+
+@given(bounds=bound_lists(1, 3), sign=SIGNS)
+def test_up_to_jerk_the_recursion_is_the_fastest(bounds, sign):
+    limits = Limits.from_bounds(bounds)
+    move = recursive_s_curve(sign, limits, start=2.0)
+    fastest = min_time_move(sign, limits, start=2.0)
+    assert move.duration == pytest.approx(fastest.duration, rel=1e-12), move_text(sign, bounds)
+    assert move.end_state[0] == fastest.end_state[0] == 2.0 + sign
+
+
+@pytest.mark.parametrize("order", range(1, 13))
+def test_with_only_the_highest_bounded_the_recursion_has_equal_steps(order):
+    """T = (2^(n(n+1)/2−1)·R/D)^(1/n): each order doubles the distance of half the time's steps."""
+    limits = Limits.from_bounds([None] * (order - 1) + [5.0])
+    move = recursive_s_curve(3.0, limits)
+    expected = (2.0 ** (order * (order + 1) / 2 - 1) * 3.0 / 5.0) ** (1.0 / order)
+    assert move.duration == pytest.approx(expected, rel=1e-13)
+    shortest = 2.0 ** -max(order - 1, 0) * move.duration
+    steps = move.durations / shortest
+    assert steps == pytest.approx(np.round(steps), rel=1e-9)
+
+
+def test_the_recursion_refuses_what_a_move_does():
+    with pytest.raises(TypeError, match="expected Limits"):
+        recursive_s_curve(1.0, 2.0)
+    with pytest.raises(ValueError, match="distance"):
+        recursive_s_curve(nan, Limits(jerk=1.0))
+    with pytest.raises(ValueError, match="limits of order 15"):
+        recursive_s_curve(1.0, Limits.from_bounds([None] * 14 + [1.0]))
+    assert recursive_s_curve(0.0, Limits(snap=1.0), start=3.0).duration == 0.0
 
 
 # What is refused
