@@ -135,12 +135,13 @@ def check_exact(jerk_filter, trajectory, dt, text, **options):
 
 def drifting(trajectory, velocity):
     """Return the trajectory on top of a constant velocity that was there for ever."""
+    if trajectory.order == 1:  # which cannot coast
+        return trajectory
     states, end = trajectory.states.copy(), trajectory.end_state.copy()
     states[:, 0] += velocity * (trajectory.breaks[:-1] - trajectory.start_time)
     end[0] += velocity * trajectory.duration
-    if trajectory.order > 1:
-        states[:, 1] += velocity
-        end[1] += velocity
+    states[:, 1] += velocity
+    end[1] += velocity
     return Trajectory(trajectory.breaks, states, trajectory.durations, end)
 
 
