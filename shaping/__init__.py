@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .followers.follower import CommandFollower, FollowerResponse
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
-    from .optimal.minimum_time import optimal_move
     from .transfers.batch import TransferBatch, min_time_transfers
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
@@ -41,7 +40,6 @@ _LATER = {
     "min_time_moves": "batches.many_moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "transfers.batch",
-    "optimal_move": "optimal.minimum_time",
     "s_curve_move": "transfers.s_curve",
     "synchronize": "transfers.synchronize",
     "velocity_transfer": "transfers.transfer",
@@ -68,7 +66,6 @@ __all__ = [
     "min_time_moves",
     "min_time_transfer",
     "min_time_transfers",
-    "optimal_move",
     "perfect_spline",
     "recursive_s_curve",
     "s_curve_move",

@@ -66,6 +66,10 @@ def min_time_move(
 
     Notes
     -----
+    "optimal" maximises x(T/2) over piecewise-constant x^(n) with |x^(k)| ≤ L_k at all times and
+    x^(k)(T/2) = 0 for even k ≥ 2, and mirrors that half. With bounds active below the highest the
+    exact optimum may switch infinitely often (Wang & Hu): what is returned comes near it.
+
     For n ≤ 3, and wherever only the highest derivative binds (a perfect spline), both methods
     give the minimum time. For n ≥ 4 with lower bounds active the closed forms can miss it: on the
     22 problems of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from
@@ -84,7 +88,8 @@ def min_time_move(
     References
     ----------
     Thompson, "Snap, Crackle, and Pop", Sections II to IV; Pourkavoos, "Piecewise Polynomials
-    with Bounded Derivatives", 2023; Lambrechts, 2005; Biagiotti & Melchiorri.
+    with Bounded Derivatives", 2023; Lambrechts, 2005; Biagiotti & Melchiorri; Wang & Hu, arXiv
+    2311.07039 and 2403.17675.
 
     Examples
     --------

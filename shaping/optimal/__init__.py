@@ -2,6 +2,5 @@
 
 from .binding import binding_limits
 from .certificate import Certificate, certify
-from .minimum_time import optimal_move
 
-__all__ = ["Certificate", "binding_limits", "certify", "optimal_move"]
+__all__ = ["Certificate", "binding_limits", "certify"]

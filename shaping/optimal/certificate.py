@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import numpy as np
@@ -14,22 +14,18 @@ from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..rise import spline_divisor
 from ..trajectory import Trajectory
-from .grids import graded_grid, refined
-from .half_problem import HalfProblem, duration_of
-from .minimum_time import improved
-from .multipliers import Multipliers, signed_integrals
-from .relaxation import RelaxedProgram
+from .bound_search import BoundSearch
+from .grids import graded_grid
+from .half_problem import HalfProblem
+from .minimum_time import improved, without_cruise
 from .smoothing import lower_order, relative_width, truncated
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
-_NEXT_TO_NOTHING = 0.3  # of the gap asked for
+_NEXT_TO_NOTHING = 0.5  # of the gap asked for
 _AT_REST = 1e-9  # of a derivative's peak
-_ROUNDS = 8
+_LONG = 6.0  # times the time of the ramps: cruise left in, as velocity may dip after a ramp
 _CELLS = 40
-_MOST_CELLS = 260
 _LOW_ORDER_TARGET = 1e-9
-_PATIENCE = 2
-_STALLED = 0.02  # of the gap: progress in a round below which another is no use
 
 
 @dataclass(frozen=True)
@@ -99,7 +95,7 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
 
     Notes
     -----
-    Moves of `optimal_move` of order 4 to 6 come to 1e-5…1e-4. For n ≤ 3 and for perfect splines
+    Moves of `min_time_move` of order 4 to 6 come to 1e-5…1e-4. For n ≤ 3 and for perfect splines
     the gap is that of rounding and of the solver's tolerance, some 1e-9.
 
     References
@@ -190,12 +186,24 @@ def _programmed(
     same_order = trajectory.order == limits.order
     if not (same_order and trajectory.duration < closed.duration * (1.0 - _AT_REST)):
         motion = improved(closed, limits) or closed
-    problem = HalfProblem.make(distance, limits, closed, relaxed=True)
-    unit = closed.duration * (1.0 - _ROUNDING)
-    search = _Search(problem, motion, lower / unit)
+    shorter = without_cruise(closed, limits, _LONG)
+    if shorter is not None and shorter.duration > lower:
+        shorter = None  # the cruise must be known to begin before the end
+    base = closed if shorter is None else shorter
+    covered = float(base.end_state[0])
+    problem = HalfProblem.make(covered, limits, base, relaxed=True)
+    reached = [
+        motion.peak(k) * (0.5 * base.duration) ** k / covered for k in range(len(problem.peaks))
+    ]
+    problem = replace(problem.reaching(np.array(reached)), cruising=shorter is not None)
+    unit = base.duration * (1.0 - _ROUNDING)
+    search = BoundSearch(problem, motion, lower / unit)
+    if shorter is not None:
+        search.distance, search.span = 0.5 * distance / covered, 0.5 * unit
     with np.errstate(all="ignore"):
-        search.run(graded_grid(motion, _CELLS), trajectory.duration / unit, target)
-    return search.best * unit, search.terms
+        nodes = graded_grid(shorter or motion, _CELLS)
+        search.run(nodes, min(trajectory.duration, motion.duration) / unit, target)
+    return search.best * unit if search.terms.any() else lower, search.terms
 
 
 def _single_bounds(distance: float, limits: Limits) -> tuple[float, FloatArray]:
@@ -220,75 +228,3 @@ def _sensitivities(terms: FloatArray, limits: Limits) -> tuple[float, ...]:
     """Return dT/dL_k·L_k/T from R/2 = Σ_k terms[k], of degree k in T each."""
     k = np.arange(limits.order + 1)
     return tuple((-terms / (k * terms).sum())[1:].tolist())
-
-
-class _Search:
-    """Better and better multipliers; half durations in the problem's units.
-
-    A motion known to be good shows where: it loses distance against the bound wherever a
-    multiplier is not zero and its bound not active.
-    """
-
-    def __init__(self, problem: HalfProblem, motion: Trajectory, best: float) -> None:
-        self.problem, self.motion, self.best = problem, motion, best
-        self.terms = np.zeros(problem.order + 1)
-
-    def run(self, nodes: FloatArray, half: float, target: float) -> None:
-        """Solve and refine until a half duration is proven to `target`, or no more comes of it."""
-        parts = 3 if self.problem.order < 6 else 2
-        at, idle = half, 0
-        for _ in range(_ROUNDS):
-            multipliers = RelaxedProgram(self.problem, nodes, parts).solve(at)
-            if multipliers is None:
-                return
-            before = half / self.best - 1.0
-            waste, slack = self._take(multipliers, parts)
-            gap = half / self.best - 1.0
-            idle = idle + 1 if before - gap < _STALLED * gap else 0
-            if gap <= target or idle == _PATIENCE:
-                return
-            at = self.best
-            nodes = refined(nodes, multipliers, waste, slack)
-            if len(nodes) > _MOST_CELLS:
-                return
-
-    def _take(self, multipliers: Multipliers, parts: int) -> tuple[FloatArray, FloatArray]:
-        """Evaluate the bound; return what the motion loses against it, see `refined`."""
-        lower, upper = self.problem.lower, self.problem.upper
-        coefficients, rounding = multipliers.costates()
-        up, down = signed_integrals(coefficients, multipliers.cells, rounding)
-        positive, negative = multipliers.masses()
-        worth = np.append(
-            _paid(positive, upper[:-1]) + _paid(negative, -lower[:-1]),
-            float(up.sum()) * upper[-1] - float(down.sum()) * lower[-1],
-        )
-        half = duration_of(worth, 0.5, self.best) * float(multipliers.cells.sum())
-        reached = float((worth * half ** np.arange(len(worth))).sum())
-        if half > self.best and reached <= 0.5 * (1.0 + 0.1 * _ROUNDING):
-            self.best, self.terms = half, worth * half ** np.arange(len(worth))
-        times = np.concatenate([[0.0], np.cumsum(multipliers.cells)])
-        return self._waste(times, np.asarray(up, float), np.asarray(down, float)), self._slack(
-            times, multipliers, parts
-        )
-
-    def _waste(self, times: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
-        middles = 0.25 * (times[1:] + times[:-1]) * self.motion.duration
-        inputs = self.motion(middles, self.problem.order) / self.motion.peak(self.problem.order)
-        return np.asarray(
-            np.maximum(up + down - (up - down) * inputs, 0.0) * self.problem.upper[-1]
-        )
-
-    def _slack(self, times: FloatArray, multipliers: Multipliers, parts: int) -> FloatArray:
-        at = 0.5 * times[::parts] * self.motion.duration
-        lost = np.zeros(len(at))
-        for k in self.problem.relevant():
-            sizes = multipliers.sizes(k, parts)
-            share = np.sign(sizes) * self.motion(at, k) / self.motion.peak(k)
-            lost += np.abs(sizes) * np.maximum(1.0 - share, 0.0) * self.problem.upper[k]
-        halves = 0.5 * lost
-        return np.asarray(halves[1:] + halves[:-1])
-
-
-def _paid(masses: FloatArray, bounds: FloatArray) -> FloatArray:
-    """Return mass times bound, nothing where there is no mass."""
-    return np.where(masses > 0.0, masses * np.where(masses > 0.0, bounds, 0.0), 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import factorial
 
 import numpy as np
 
@@ -26,21 +27,28 @@ class Half:
         Derivative n on each run.
     order : int
         n.
+    negligible : float
+        Of its peak: a derivative between two runs that is smaller is zero but for rounding, which
+        a long run would blow up.
     """
 
     durations: RealArray
-    inputs: FloatArray
+    inputs: RealArray
     order: int
+    negligible: float = 0.0
 
     def states(self) -> RealArray:
         """Return the states at the start of each run and at the end, (n + 1, r + 1)."""
         n, r = self.order, len(self.inputs)
-        powers = self.durations ** np.arange(n + 1)[:, None] * INVERSE_FACTORIALS[: n + 1, None]
+        factorials = np.array([factorial(k) for k in range(n + 1)])[:, None]
+        powers = self.durations ** np.arange(n + 1)[:, None] / factorials
         states = np.zeros((n + 1, r + 1), dtype=np.longdouble)
         states[n, :-1] = self.inputs
         states[n, -1] = self.inputs[-1]
         for k in range(n - 1, -1, -1):
-            np.cumsum((states[k + 1 :, :-1] * powers[1 : n + 1 - k]).sum(axis=0), out=states[k, 1:])
+            rises = (states[k + 1 :, :-1] * powers[1 : n + 1 - k]).sum(axis=0)
+            states[k, 1:] = np.cumsum(rises)
+            states[k, np.abs(states[k]) <= self.negligible * np.abs(states[k]).max()] = 0.0
         return states
 
     def repaired(self, ends: FloatArray, sizes: FloatArray) -> Half | None:
@@ -65,7 +73,7 @@ class Half:
             if np.abs(errors).max(initial=0.0) <= _MET:
                 return half
             left = np.asarray(half.durations[::-1].cumsum()[-2::-1], dtype=float)
-            jumps = -np.diff(half.inputs)
+            jumps = -np.diff(half.inputs).astype(float)
             lag = n - 1 - fixed[:, None]
             slopes = jumps * left**lag * INVERSE_FACTORIALS[lag] / sizes[fixed, None]
             room = np.minimum(half.durations[1:], half.durations[:-1]).astype(float)

@@ -7,7 +7,7 @@ about its middle, where its derivatives 2, 4, … vanish, and the second half mi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import numpy as np
@@ -19,7 +19,7 @@ from .linear_program import LinearProgram, Solution
 from .state_maps import bernstein_rows, greville_rows, node_maps
 
 _DIGITS = 13  # kept of a bound, so that a change of units leaves the very same program
-_REDUNDANT = 3.0  # times the closed form's peak: a bound that is left out
+_REDUNDANT = 3.0
 _NEWTON_STEPS = 30
 _CONVERGED = 1e-13
 _WIDEST = 4.0  # times what changes derivative n − 1 from bound to bound in the shortest cell
@@ -34,7 +34,8 @@ class HalfProblem:
     lower, upper : (n + 1,) arrays
         Bounds of derivative k at index k; −inf and inf at index 0.
     peaks : (n + 1,) array
-        Of the closed form: the size of each derivative.
+        Of the closed form, or of a better motion: the size of each derivative. Bounds well above
+        are left out.
     cruising : bool
         The half must end at full velocity, all higher derivatives zero.
     """
@@ -80,9 +81,34 @@ class HalfProblem:
         return ends
 
     def relevant(self) -> list[int]:
-        """Return the derivatives below n whose bounds the closed form comes near."""
+        """Return the derivatives below n whose bounds the peaks come near."""
         least = np.minimum(self.upper, -self.lower)[:-1]
         return [k for k in range(1, self.order) if least[k] <= _REDUNDANT * self.peaks[k]]
+
+    def reaching(self, peaks: FloatArray) -> HalfProblem:
+        """Return the problem with larger peaks where these derivatives exceed the ones it has."""
+        return replace(self, peaks=np.maximum(self.peaks, _rounded(peaks)))
+
+    def completed(self, nodes: FloatArray, inputs: FloatArray, half: float) -> HalfProblem:
+        """Return the problem with the bounds that were left out although these inputs break them.
+
+        Itself where there are none.
+        """
+        powers = half ** np.arange(self.order)
+        reached = np.abs(node_maps(nodes, self.order)[:-1] @ inputs).max(axis=1) / powers
+        least = np.minimum(self.upper, -self.lower)[:-1]
+        broken = reached > least
+        broken[[0, *self.relevant()]] = False
+        if not broken.any():
+            return self
+        return self.reaching(np.append(np.where(broken, least, 0.0), 0.0))
+
+    def levels(self, nodes: FloatArray, inputs: FloatArray, half: float) -> FloatArray:
+        """Return the relevant derivatives over their bounds at the nodes of a half duration."""
+        bounded = self.relevant()
+        bounds = np.minimum(self.upper, -self.lower)[bounded] * half ** np.array(bounded)
+        reached = [row @ inputs for row in node_maps(nodes, self.order)[bounded]]
+        return np.array(reached).reshape(len(bounded), len(nodes)) / bounds[:, None]
 
     def units(self, shortest: float) -> FloatArray:
         """Return the size of each derivative where the shortest cell is as long as this.

@@ -13,6 +13,8 @@ Range = tuple[float, float]
 
 _TOLERANCE = 1e-9
 _SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
+_ITERATIONS = 20  # per column: more were never of use, the simplex method may cycle for ever
+_MOST_ITERATIONS = 5000
 _SETTINGS: dict[str, bool | int | float | str] = {
     "output_flag": False,
     "threads": 1,
@@ -25,7 +27,6 @@ _SETTINGS: dict[str, bool | int | float | str] = {
 _OTHER_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     {"simplex_strategy": 4},
     {"simplex_strategy": 1, "presolve": "on"},
-    {"solver": "ipm", "presolve": "on"},
 )
 """Tried one after the other where the dual simplex method ends without an answer."""
 
@@ -114,6 +115,8 @@ def _started(
     make: Any = highspy.Highs
     highs = make()
     _set(highs, _SETTINGS)
+    most = min(_ITERATIONS * len(objective), _MOST_ITERATIONS)
+    _set(highs, {"simplex_iteration_limit": most})
     used = np.abs(matrix) > _SMALLEST
     program = highspy.HighsLp()
     program.num_row_, program.num_col_ = matrix.shape

@@ -1,4 +1,11 @@
-"""Moves of any order in minimum time: the fastest closed form, or a linear program's motion."""
+"""Moves of order 4 and more in minimum time: the best of closed forms and a linear program.
+
+    maximise x(T/2)  subject to  |x^(k)| ≤ L_k for all t,  x^(k)(T/2) = 0 for even k ≥ 2,
+
+with x^(n) constant on the cells of a grid and T so that x(T/2) is half the distance; the second
+half is the mirror image. What the optimum looks like: Wang & Hu, arXiv 2311.07039 and
+2403.17675.
+"""
 
 from __future__ import annotations
 
@@ -12,90 +19,29 @@ from ..moves import min_time_move
 from ..pieces import FloatArray, evaluate
 from ..rise import spline_divisor
 from ..trajectory import Trajectory
-from .grids import graded_grid, split_losses, split_switches
+from .grids import graded_grid, split_losses, split_sudden, split_switches
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
 from .smoothing import averaged_half, averaging_width, lower_order, relative_width, truncated
 
 MAX_OPTIMAL_ORDER = 10
-"""Highest order that a linear program is tried for; above it `optimal_move` is the closed form."""
+"""Highest order that a linear program is tried for; above it a move is the closed form."""
 
 _CELLS = 40
 _NEGLIGIBLE = 1e-9  # a gain in duration that is not worth leaving a closed form for
 _NEAR = 1e-3  # of the duration: what a closed form may lose without a warning
-_SHORT = 2e-5  # of the duration: what moving averages of the lower order may cost
+_SHORT = 2e-5  # of the duration: what moving averages of a lower order may cost
+_NOT_LONG = 2e-4  # the same where the linear program is tried as well
+_LENGTHENED = 0.1  # the same where that fails
 _LONG = 2.0  # times the ramps' time: how much cruise is left in the linear program
-_STAGES = 7
+_STAGES = 9
 _LOST = 5e-6  # of the distance, for want of a finer grid: not worth another stage
+_FORESEEN = 3.0  # times what was estimated to be lost: gaining more, the estimate is no use
 _MOST_CELLS = 150
 _ROUGHLY, _SETTLED = 1e-3, 1e-7  # steps on the duration after which no other is needed
 _STEPS = 8
 _KEPT = 1e-12  # excess over a bound, jump at a joint
 _SAME_INPUT = (1e-7, 0.0)  # of the bound: inputs of neighbours that are merged
-
-
-def optimal_move(distance: float, limits: Limits, *, start: float = 0.0) -> Trajectory:
-    """Return the move from rest to rest in minimum time, of any order.
-
-    For n ≤ 3 the closed form, which is the minimum. For n ≥ 4 the faster of the closed forms and
-    of a piecewise-constant x^(n) from a linear program,
-
-        maximise x(T/2)  subject to  |x^(k)| ≤ L_k for all t,  x^(k)(T/2) = 0 for even k ≥ 2,
-
-    with T so that x(T/2) is half the distance, and the second half the mirror image.
-
-    Parameters
-    ----------
-    distance : float
-        Signed distance, in the limits' distance unit. Zero gives a trajectory of duration zero.
-    limits : Limits
-        Bounds on any of the derivatives 1…n, n ≤ 14.
-    start : float, optional
-        Position at the start.
-
-    Returns
-    -------
-    Trajectory
-        Of order n, starting at time 0; never slower than the closed form.
-
-    Raises
-    ------
-    ValueError
-        As `min_time_move`.
-
-    Warns
-    -----
-    RuntimeWarning
-        Where the closed form is returned because the order is above 10 or the solver failed, as it
-        may with limits many decades apart.
-
-    Notes
-    -----
-    With bounds active below the highest the exact optimum may switch infinitely often (Wang &
-    Hu): what is returned comes near it, and `certify` says how near. Where only the highest
-    derivative binds it is the perfect spline itself.
-
-    Bounds that differ between directions: the motion is made odd about its middle, so that of
-    derivatives 2, 4, … the smaller magnitude counts; odd ones are used as they are.
-
-    References
-    ----------
-    Wang & Hu, arXiv 2311.07039 and 2403.17675, for what the optimum looks like.
-
-    Examples
-    --------
-    >>> limits = Limits(velocity=1.5, jerk=60.0, pop=122880.0)
-    >>> closed = min_time_move(1.0, limits, method="closed-form")
-    >>> optimal_move(1.0, limits).duration < closed.duration
-    True
-    """
-    forward = limits.mirror() if distance < 0.0 and isinstance(limits, Limits) else limits
-    move = min_time_move(abs(distance), forward, method="closed-form")
-    if distance != 0.0:
-        move = faster_or_warn(move, forward)
-    if distance < 0.0:
-        move = move.mirror()
-    return move.shift(start) if start else move
 
 
 def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
@@ -113,7 +59,7 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
     warnings.warn(
         f"{reason}: this move is the fastest closed form, which may be slower than need be",
         RuntimeWarning,
-        stacklevel=3,
+        stacklevel=5,  # the caller of min_time_move
     )
     return closed
 
@@ -139,7 +85,7 @@ def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
     if limits.order > MAX_OPTIMAL_ORDER:
         return None
     with np.errstate(all="ignore"):
-        move = _averaged(closed, limits) or _programmed(closed, limits)
+        move = _averaged(closed, limits, _SHORT) or _programmed_or_averaged(closed, limits)
     if move is None or move.duration < closed.duration * (1.0 - _NEGLIGIBLE):
         return move
     return closed
@@ -158,10 +104,10 @@ def is_single_spline(closed: Trajectory, limits: Limits) -> bool:
     return False
 
 
-def _averaged(closed: Trajectory, limits: Limits) -> Trajectory | None:
-    """Return the move of the order below, smoothed, where that costs next to nothing."""
+def _averaged(closed: Trajectory, limits: Limits, most: float) -> Trajectory | None:
+    """Return the move of a lower order, smoothed, where that costs no more than `most`."""
     order = lower_order(limits)
-    if not order or relative_width(limits, order, closed.duration) > _SHORT:
+    if not order or relative_width(limits, order, closed.duration) > most:
         return None
     distance, below = float(closed.end_state[0]), truncated(limits, order)
     lower = min_time_move(distance, below, method="closed-form")
@@ -170,15 +116,24 @@ def _averaged(closed: Trajectory, limits: Limits) -> Trajectory | None:
     return _finished(half, distance, 1.0, limits)
 
 
-def _programmed(closed: Trajectory, limits: Limits) -> Trajectory | None:
+def _programmed_or_averaged(closed: Trajectory, limits: Limits) -> Trajectory | None:
+    """Return the faster one of both motions where they may be near, or the first fails."""
+    move = _programmed(closed, limits)
+    failed = move is None or move.duration >= closed.duration
+    other = _averaged(closed, limits, _LENGTHENED if failed else _NOT_LONG)
+    if other is not None and other.duration < (closed if move is None else move).duration:
+        return other
+    return move
+
+
+def _programmed(closed: Trajectory, limits: Limits, left: float = _LONG) -> Trajectory | None:
     """Return the linear program's motion; None where it fails."""
     distance = float(closed.end_state[0])
-    shorter = _without_cruise(closed, limits)
+    shorter = without_cruise(closed, limits, left)
     base = closed if shorter is None else shorter
     covered = float(base.end_state[0])
     problem = HalfProblem.make(covered, limits, base)
-    if shorter is not None:
-        problem = replace(problem, cruising=True)
+    problem = replace(problem, cruising=shorter is not None)
     found = _refined(problem, graded_grid(base, _CELLS))
     if found is None:
         return None
@@ -187,6 +142,8 @@ def _programmed(closed: Trajectory, limits: Limits) -> Trajectory | None:
     if shorter is not None:
         ahead = 0.5 * distance / covered - farthest.distance
         cruise = ahead / (float(problem.upper[1]) * half)
+        if cruise < 0.0:  # more was cut out than there is
+            return _programmed(closed, limits, np.inf)
     bound = float(problem.upper[-1]) * half**problem.order
     moves = []
     for same in _SAME_INPUT:
@@ -200,38 +157,56 @@ def _programmed(closed: Trajectory, limits: Limits) -> Trajectory | None:
     return few if few.duration <= many.duration * (1.0 + _NEGLIGIBLE) else many
 
 
-def _without_cruise(closed: Trajectory, limits: Limits) -> Trajectory | None:
-    """Return the closed form of a move with most of a long cruise left out; None if it is short."""
+def without_cruise(closed: Trajectory, limits: Limits, left: float) -> Trajectory | None:
+    """Return the closed form of a move with less of a long cruise; None if it is short.
+
+    `left` times the time of the ramps is left.
+    """
     middle = int(np.searchsorted(closed.breaks, 0.5 * closed.duration)) - 1
     velocity, *higher = closed.states[middle, 1:].tolist()
     cruise = float(closed.durations[middle])
     ramps = closed.duration - cruise
-    if any(higher) or velocity < limits.bounds(1)[1] or cruise <= _LONG * ramps:
+    if any(higher) or velocity < limits.bounds(1)[1] or cruise <= left * ramps:
         return None
-    shorter = float(closed.end_state[0]) - velocity * (cruise - _LONG * ramps)
+    shorter = float(closed.end_state[0]) - velocity * (cruise - left * ramps)
     return min_time_move(shorter, limits, method="closed-form")
 
 
 def _refined(problem: HalfProblem, nodes: FloatArray) -> tuple[FloatArray, Farthest, float] | None:
     """Solve on finer and finer grids; return the last nodes, the solution and its half duration."""
-    half = 1.0
+    half, lost = 1.0, 0.0
     best: tuple[FloatArray, Farthest, float] | None = None
     for stage in range(_STAGES):
-        program = HalfProgram(problem, nodes)
+        before, program = half, HalfProgram(problem, nodes)
         solved = _settled(program, half, _ROUGHLY)
         if solved is None:
             break
         farthest, at, half = solved
-        if stage and (farthest.losses.sum() <= _LOST or len(nodes) > _MOST_CELLS):
+        complete = problem.completed(nodes, farthest.inputs, at)
+        if complete is not problem:
+            return _refined(complete, nodes)
+        unforeseen = 0.5 * (before / half - 1.0) - _FORESEEN * lost
+        lost = float(farthest.losses.sum())
+        if stage and (max(lost, unforeseen) <= _LOST or len(nodes) > _MOST_CELLS):
             farthest, at, _ = _settled(program, half, _SETTLED) or solved
             return nodes, farthest, at
         best = nodes, farthest, at
-        if stage == 0:
-            bound = float(problem.upper[-1]) * at**problem.order
-            nodes = split_switches(nodes, farthest.inputs, bound)
-        else:
-            nodes = split_losses(nodes, farthest.losses)
+        nodes = _split(problem, nodes, farthest, at, stage)
     return best
+
+
+def _split(
+    problem: HalfProblem, nodes: FloatArray, farthest: Farthest, half: float, stage: int
+) -> FloatArray:
+    """Return a finer grid."""
+    bound = float(problem.upper[-1]) * half**problem.order
+    if stage == 0:
+        return split_switches(nodes, farthest.inputs, bound)
+    levels = problem.levels(nodes, farthest.inputs, half)
+    finer = split_sudden(nodes, farthest.inputs, bound, levels)
+    if farthest.losses.sum() <= _LOST:
+        return finer
+    return np.union1d(finer, split_losses(nodes, farthest.losses))
 
 
 def _settled(

@@ -41,7 +41,8 @@ class RelaxedProgram:
         areas = hat_areas(self._cells)
         self._areas = self._hats @ areas
         means = self._hats * areas / self._areas[:, None]
-        rows = [self._maps[2:n:2, -1] * self._scales[2:n:2, None]]
+        even = self._even()
+        rows = [self._maps[even, -1] * self._scales[even, None]]
         for k in problem.relevant():
             rows.append(self._maps[k, parts::parts] * self._scales[k])
             rows.append(means @ hat_rows(self._maps, self._cells, k) * self._scales[k])
@@ -53,7 +54,7 @@ class RelaxedProgram:
         powers = half ** np.arange(n + 1) / self._units
         lower, upper = self.problem.lower * powers, self.problem.upper * powers
         of = np.repeat(self.problem.relevant(), 2 * len(self.nodes) - 1).astype(int)
-        fixed = np.zeros(len(range(2, n, 2)))
+        fixed = np.zeros(len(self._even()))
         solution = self._program.solve(
             np.concatenate([fixed, lower[of]]),
             np.concatenate([fixed, upper[of]]),
@@ -61,9 +62,13 @@ class RelaxedProgram:
         )
         return None if solution is None else self._multipliers(solution)
 
+    def _even(self) -> list[int]:
+        """Return the derivatives that vanish at the end: none where a cruise may begin earlier."""
+        return [] if self.problem.cruising else list(range(2, self.problem.order, 2))
+
     def _multipliers(self, solution: Solution) -> Multipliers:
         n, count = self.problem.order, len(self.nodes)
-        bounded, even = self.problem.relevant(), range(2, n, 2)
+        bounded, even = self.problem.relevant(), self._even()
         ends = np.zeros(n)
         ends[even] = solution.multipliers[: len(even)]
         atoms, densities = np.zeros((2, n, len(self._cells) + 1))

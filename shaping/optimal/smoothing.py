@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import comb
+
 import numpy as np
 
 from ..limits import Limits
@@ -9,58 +12,51 @@ from ..pieces import RealArray
 from ..trajectory import Trajectory
 from .half_motion import Half
 
-_SAME_TIME = 1e-15  # of the duration: breaks nearer than that are one
+_SAME_TIME = 1e-14  # of the shortest piece or average: breaks nearer than that are one
+_ROUNDING = 1e-15
 
 
 def lower_order(limits: Limits) -> int:
-    """Return the highest bounded derivative below n, or 0."""
-    bounded = np.isfinite(limits.lower[:-1]) | np.isfinite(limits.upper[:-1])
-    return int(np.flatnonzero(bounded)[-1]) + 1 if bounded.any() else 0
+    """Return the order below n from which the shortest averages lead to n, or 0."""
+    bounded = np.isfinite(limits.lower[:-1]) & np.isfinite(limits.upper[:-1])
+    orders = (np.flatnonzero(bounded)[::-1] + 1).tolist()
+    return int(min(orders, key=lambda order: relative_width(limits, order, 1.0), default=0))
 
 
 def averaging_width(limits: Limits, order: int) -> float:
     """Return the width of each of n − m moving averages that make order m into order n.
 
-    w = 2·(L_m / L_n)^(1/(n−m)):   |x^(n)| ≤ 2^(n−m)·L_m / w^(n−m)
+    w = max_k 2·(L_m / L_k)^(1/(k−m)), k = m + 1 … n:   |x^(k)| ≤ 2^(k−m)·L_m / w^(k−m)
     """
-    (low, high), (lowest, highest) = limits.bounds(order), limits.bounds(limits.order)
-    steps = limits.order - order
-    return float(2.0 * (max(-low, high) / min(-lowest, highest)) ** (1.0 / steps))
+    below, above = -np.array(limits.lower), np.array(limits.upper)
+    size, bounds = max(below[order - 1], above[order - 1]), np.minimum(below, above)[order:]
+    return float((2.0 * (size / bounds) ** (1.0 / np.arange(1, len(bounds) + 1))).max())
 
 
 def averaged_half(move: Trajectory, order: int, width: float) -> Half:
-    """Return the first half of a symmetric move after n − m moving averages, of order n.
+    """Return the first half of a symmetric move after q = n − m moving averages, of order n.
+
+        x^(n)(t) = Σ_j (−1)^j·C(q, j)·x^(m)(t − j·w) / w^q
 
     An average of x^(m) over the last w keeps every bound and takes w longer; its derivative is
     (x^(m)(t) − x^(m)(t − w)) / w, constant between breaks again.
     """
+    count, w = order - move.order, np.longdouble(width)
     durations: RealArray = move.durations.astype(np.longdouble)
-    inputs = np.asarray(move.states[:, -1], dtype=np.longdouble)
-    for _ in range(order - move.order):
-        durations, inputs = _averaged(durations, inputs, width)
+    inputs = np.concatenate([[0.0], move.states[:, -1], [0.0]]).astype(np.longdouble)
+    shifts, signs = np.arange(count + 1), [(-1) ** j * comb(count, j) for j in range(count + 1)]
     edges = np.concatenate([[0.0], np.cumsum(durations)])
-    middle = 0.5 * edges[-1]
-    first = edges[:-1] < middle * (1.0 - 1e-15)
-    durations = np.minimum(edges[1:], middle)[first] - edges[:-1][first]
-    return Half(durations, np.asarray(inputs[first], dtype=float), order)
-
-
-def _averaged(durations: RealArray, inputs: RealArray, width: float) -> tuple[RealArray, RealArray]:
-    edges = np.concatenate([[0.0], np.cumsum(durations)])
-    later = edges + np.longdouble(width)
-    every = np.sort(np.concatenate([edges, later]))
-    apart = np.diff(every) > _SAME_TIME * every[-1]
-    every = np.concatenate([[0.0], every[1:][apart]])
-    middles = 0.5 * (every[1:] + every[:-1])
-    change = _at(edges, inputs, middles) - _at(later, inputs, middles)
-    return np.diff(every), change / np.longdouble(width)
-
-
-def _at(edges: RealArray, inputs: RealArray, times: RealArray) -> RealArray:
-    """Evaluate the pieces, zero outside."""
-    index = np.searchsorted(edges, times) - 1
-    inside = (index >= 0) & (index < len(inputs))
-    return np.where(inside, inputs[np.clip(index, 0, len(inputs) - 1)], 0.0)
+    times = edges + shifts[:, None] * w
+    shift, edge = np.divmod(np.argsort(times, axis=None, kind="stable"), len(edges))
+    begun = np.maximum.accumulate(np.where(shift == shifts[:, None], edge + 1, 0), axis=1)
+    lengths = np.diff(shift) * w + [
+        durations[i:j].sum() - durations[j:i].sum() for i, j in pairwise(edge)
+    ]
+    kept = lengths > _SAME_TIME * min(durations.min(), w)
+    lengths, averaged = lengths[kept], (signs @ inputs[begun])[:-1][kept] / w**count
+    half = (len(lengths) + 1) // 2
+    lengths = lengths[:half] * np.where(np.arange(half) == len(lengths) // 2, 0.5, 1.0)
+    return Half(lengths, averaged[:half], order, _ROUNDING)
 
 
 def relative_width(limits: Limits, order: int, duration: float) -> float:

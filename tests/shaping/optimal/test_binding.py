@@ -3,7 +3,7 @@
 import pytest
 
 from jounce.shaping import Limits, min_time_move
-from jounce.shaping.optimal import binding_limits, optimal_move
+from jounce.shaping.optimal import binding_limits
 
 
 def test_an_s_curve_with_all_bounds_reached():
@@ -28,7 +28,7 @@ def test_each_direction_has_its_own_bound():
 
 def test_an_optimal_move_is_nearly_always_at_a_bound():
     limits = Limits(velocity=1.3, acceleration=9.0, snap=900.0)
-    move = optimal_move(1.0, limits)
+    move = min_time_move(1.0, limits)
     held = binding_limits(move, limits, rtol=1e-4)
     assert len(held) == len(move.states)
     at_a_bound = sum(d for d, names in zip(move.durations, held, strict=True) if names)

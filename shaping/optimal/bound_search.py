@@ -1,0 +1,106 @@
+"""The search for multipliers that prove a lower bound on the duration: evaluate, refine, again."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..pieces import FloatArray
+from ..trajectory import Trajectory
+from .grids import refined
+from .half_problem import HalfProblem, duration_of
+from .multipliers import Multipliers, signed_integrals
+from .relaxation import RelaxedProgram
+
+_ROUNDS = 10
+_MOST_CELLS = 260
+_PATIENCE = 4
+_FAR = 0.95  # of a bound known before: what the second round must come to
+_STALLED = 0.02  # of the gap: progress in a round below which it counts as idle
+_ROUNDING = 1e-13
+
+
+class BoundSearch:
+    """Better and better multipliers; half durations in the problem's units.
+
+    A motion known to be good shows where: it loses distance against the bound wherever a
+    multiplier is not zero and its bound not active. The grid is its first `span`. Where that
+    leaves out a cruise, the half covers a `distance` above one half.
+    """
+
+    def __init__(self, problem: HalfProblem, motion: Trajectory, best: float) -> None:
+        self.problem, self.motion, self.best = problem, motion, best
+        self.terms = np.zeros(problem.order + 1)
+        self.distance, self.span = 0.5, 0.5 * motion.duration
+
+    def run(self, nodes: FloatArray, half: float, target: float) -> None:
+        """Solve and refine until `half` is proven to `target`, or no more comes of it."""
+        parts = 3 if self.problem.order < 6 else 2
+        at, reached, idle = 1.0 if self.problem.cruising else half, 0.0, 0
+        for trial in range(_ROUNDS):
+            multipliers = RelaxedProgram(self.problem, nodes, parts).solve(at)
+            if multipliers is None:
+                return
+            found, waste, slack = self._take(multipliers, parts)
+            idle = idle + 1 if found - reached < _STALLED * (half - found) else 0
+            reached = max(reached, found)
+            hopeless = idle == _PATIENCE or (trial and reached < _FAR * self.best)
+            if half <= self.best * (1.0 + target) or hopeless:
+                return
+            at = 1.0 if self.problem.cruising else self.best
+            nodes = refined(nodes, multipliers, waste, slack)
+            if len(nodes) > _MOST_CELLS:
+                return
+
+    def _take(self, multipliers: Multipliers, parts: int) -> tuple[float, FloatArray, FloatArray]:
+        """Return the bound, and what the motion loses against it, see `refined`."""
+        lower, upper = self.problem.lower, self.problem.upper
+        coefficients, rounding = multipliers.costates()
+        up, down = signed_integrals(coefficients, multipliers.cells, rounding)
+        positive, negative = multipliers.masses()
+        worth = np.append(
+            _paid(positive, upper[:-1]) + _paid(negative, -lower[:-1]),
+            float(up.sum()) * upper[-1] - float(down.sum()) * lower[-1],
+        )
+        half, terms = self._half(worth, float(multipliers.cells.sum()))
+        if half > self.best:
+            self.best, self.terms = half, terms
+        times = np.concatenate([[0.0], np.cumsum(multipliers.cells)])
+        waste = self._waste(times, np.asarray(up, float), np.asarray(down, float))
+        return half, waste, self._slack(times, multipliers, parts)
+
+    def _half(self, worth: FloatArray, end: float) -> tuple[float, FloatArray]:
+        """Return the half duration that is proven, 0 for none, and the terms that make it.
+
+        R/2 = Σ_k worth[k]·η^k, or with a cruise R/2 = Σ_k worth[k] + L_1·(η − 1): velocity is at
+        most L_1 after the first 1, and η is known to be more.
+        """
+        if self.problem.cruising:
+            ahead = self.distance - float(worth.sum())
+            worth[1] += ahead
+            return end + ahead / float(self.problem.upper[1]) if ahead > 0.0 else 0.0, worth
+        half = duration_of(worth, self.distance, self.best)
+        terms = worth * half ** np.arange(len(worth))
+        sound = terms.sum() <= self.distance * (1.0 + _ROUNDING)
+        return half * end if sound else 0.0, terms
+
+    def _waste(self, times: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
+        middles = 0.5 * (times[1:] + times[:-1]) * self.span
+        inputs = self.motion(middles, self.problem.order) / self.motion.peak(self.problem.order)
+        return np.asarray(
+            np.maximum(up + down - (up - down) * inputs, 0.0) * self.problem.upper[-1]
+        )
+
+    def _slack(self, times: FloatArray, multipliers: Multipliers, parts: int) -> FloatArray:
+        at = times[::parts] * self.span
+        lost = np.zeros(len(at))
+        for k in self.problem.relevant():
+            sizes = multipliers.sizes(k, parts)
+            share = np.sign(sizes) * self.motion(at, k) / self.motion.peak(k)
+            lost += np.abs(sizes) * np.maximum(1.0 - share, 0.0) * self.problem.upper[k]
+        halves = 0.5 * lost
+        return np.asarray(halves[1:] + halves[:-1])
+
+
+def _paid(masses: FloatArray, bounds: FloatArray) -> FloatArray:
+    """Return mass times bound, nothing where there is no mass."""
+    return np.where(masses > 0.0, masses * np.where(masses > 0.0, bounds, 0.0), 0.0)
