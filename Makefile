@@ -31,7 +31,7 @@ readme: $(VENV)/.installed-dev
 	$(BIN)/python docs/gallery.py
 
 benchmark: $(VENV)/.installed-dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,peers]"
 	$(BIN)/python -m compileall -q shaping plant analysis # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 

@@ -104,6 +104,8 @@ def benchmarks() -> str:
     for name in (
         "evaluation",
         "design",
+        "minimum_time",
+        "against_peers",
         "moves",
         "transfers",
         "following",

@@ -10,7 +10,7 @@ from .pieces import FloatArray, evaluate, evaluate_sorted
 MAX_SAMPLES = 10**9
 """Longest time grid."""
 
-_LONG_RUN = 1000  # points a piece from which a run per piece is faster than a look-up per point
+_LONG_RUN = 600  # points a piece from which a run per piece is faster than a look-up per point
 _BLOCK = 8192  # points evaluated at a time, so that the work stays in the cache
 
 
