@@ -115,8 +115,9 @@ def benchmarks() -> str:
         "startup",
     ):
         module = importlib.import_module(name)
-        title = str(module.__doc__).splitlines()[0]
+        title, *notes = str(module.__doc__).strip().split("\n\n")
         parts.append(f"**{title}** (`benchmarks/{name}.py`)")
+        parts += [note for note in notes if not note.startswith("Run:")]
         parts.append(timing.table(module.HEADER, module.rows()))
     return "\n\n".join(parts)
 
