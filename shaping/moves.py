@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, isfinite
+from sys import float_info
 from typing import Literal
 
 from .checks import finite, positive, whole
@@ -304,7 +305,7 @@ def _fastest(distance: float, limits: Limits) -> Trajectory:
     if limits.order <= 3:
         return low_order_move(distance, limits)
     bounds = _magnitudes(limits)
-    if not 0.0 < distance / bounds[-1] < inf:
+    if not float_info.min <= distance / bounds[-1] < inf:
         raise OverflowError
     return to_trajectory(fastest_plan(distance, bounds).build())
 

@@ -15,9 +15,9 @@ from ..pieces import FloatArray
 from ..rise import spline_divisor
 from ..trajectory import Trajectory
 from .bound_search import BoundSearch
-from .grids import graded_grid
+from .grids import graded_grid, with_touches
 from .half_problem import HalfProblem
-from .minimum_time import improved, without_cruise
+from .minimum_time import MAX_OPTIMAL_ORDER, improved, without_cruise
 from .smoothing import lower_order, relative_width, truncated
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
@@ -41,8 +41,8 @@ class Certificate:
     gap : float
         duration / lower_bound − 1.
     sensitivities : tuple of float
-        dT/dL_k·L_k/T of the minimum time, velocity first: −0.2 for jerk says that raising its
-        limit by 1 % saves 0.2 %. Σ_k k·sensitivity_k = −1.
+        dT/dL_k·L_k/T of the lower bound, velocity first: −0.2 for jerk says that raising its limit
+        by 1 % saves 0.2 %. Σ_k k·sensitivity_k = −1; all zero where nothing is proven.
     rtol : float
         The gap that was asked for.
     """
@@ -96,9 +96,11 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     Notes
     -----
     Moves of `min_time_move` come to a gap of 1e-5…1e-4, with limits many decades apart to 1e-3, in
-    0.1 to 0.5 s. Some take 2 s, and up to 10 s at orders 8 to 10 where the gap asked for is out of
-    reach. For n ≤ 3 and for perfect splines the gap is that of rounding and of the solver's
-    tolerance, some 1e-9.
+    0.1 to 0.5 s; some take 2 s, and up to 15 s from order 8 on where the gap asked for is out of
+    reach. Ramps of 1e-2 to 1e-4 of the duration may be too short for the program at orders 6 and
+    above: the gap is then about as large as they are. Above order 10 the bounds up to derivative 10
+    count. For n ≤ 3 and for perfect splines the gap is that of rounding and of the solver's
+    tolerance, some 1e-9, but not where bounds of even derivatives differ between the directions.
 
     References
     ----------
@@ -151,8 +153,8 @@ def _check(trajectory: Trajectory, limits: Limits) -> None:
     excess = trajectory.violation(limits)
     if excess > _AT_REST:
         raise ValueError(
-            f"the trajectory exceeds its limits by {excess:.2g} of a bound: certify a move "
-            "within them"
+            f"the trajectory exceeds a limit by {100.0 * excess:.3g} %: certify a move within "
+            "its limits"
         )
 
 
@@ -169,20 +171,25 @@ def _bounds(
         order = lower_order(limits)
         if order and relative_width(limits, order, trajectory.duration) <= aim:
             continue
-        found, better = _programmed(trajectory, distance, limits, lower, target)
+        found, better, fastest = _programmed(trajectory, distance, limits, lower, target)
         if found > lower:
             lower, terms[:] = found, 0.0
             terms[: len(better)] = better
         gap = trajectory.duration / lower - 1.0
         if not order or relative_width(limits, order, trajectory.duration) > gap:
             break
+        if fastest / lower - 1.0 <= _NEXT_TO_NOTHING * gap:
+            break  # nor can fewer bounds prove more than what `fastest` takes
     return lower, terms
 
 
 def _programmed(
     trajectory: Trajectory, distance: float, limits: Limits, lower: float, target: float
-) -> tuple[float, FloatArray]:
-    """Return the best bound that linear programs lead to, and its terms; `lower` is one already."""
+) -> tuple[float, FloatArray, float]:
+    """Return the best bound that linear programs lead to, its terms, and the fastest motion known.
+
+    `lower` is a bound already.
+    """
     closed = min_time_move(distance, limits, method="closed-form")
     motion: Trajectory = trajectory
     same_order = trajectory.order == limits.order
@@ -204,8 +211,10 @@ def _programmed(
         search.distance, search.span = 0.5 * distance / covered, 0.5 * unit
     with np.errstate(all="ignore"):
         nodes = graded_grid(shorter or motion, _CELLS)
-        search.run(nodes, min(trajectory.duration, motion.duration) / unit, target)
-    return search.best * unit if search.terms.any() else lower, search.terms
+        nodes = with_touches(nodes, motion, problem.relevant(), search.span)
+        fastest = min(trajectory.duration, motion.duration)
+        search.run(nodes, fastest / unit, target)
+    return search.best * unit if search.terms.any() else lower, search.terms, fastest
 
 
 def _single_bounds(distance: float, limits: Limits) -> tuple[float, FloatArray]:
@@ -221,12 +230,13 @@ def _single_bounds(distance: float, limits: Limits) -> tuple[float, FloatArray]:
 
 
 def _two_sided(limits: Limits) -> int:
-    """Return the highest derivative bounded in both directions."""
+    """Return the highest derivative that a program is tried for and is bounded both ways, or 0."""
     finite = np.isfinite(limits.lower) & np.isfinite(limits.upper)
-    return int(np.flatnonzero(finite)[-1]) + 1 if finite.any() else 0
+    orders = np.flatnonzero(finite[:MAX_OPTIMAL_ORDER]) + 1
+    return int(orders[-1]) if orders.size else 0
 
 
 def _sensitivities(terms: FloatArray, limits: Limits) -> tuple[float, ...]:
     """Return dT/dL_k·L_k/T from R/2 = Σ_k terms[k], of degree k in T each."""
     k = np.arange(limits.order + 1)
-    return tuple((-terms / (k * terms).sum())[1:].tolist())
+    return tuple((0.0 - terms / (k * terms).sum())[1:].tolist())

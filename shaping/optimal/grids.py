@@ -17,6 +17,8 @@ _SAMPLES = 9
 _SAME = 1e-6  # of the bound: inputs that differ by less are equal
 _FAR = 0.9  # of its bound: a change of a derivative that matters
 _SUDDEN = 3  # cells
+_AT_PEAK = 0.99
+_BESIDE = 1e-5  # of the half: what is lost by a node that far from a peak is next to nothing
 
 
 def graded_grid(move: Trajectory, cells: int) -> FloatArray:
@@ -33,6 +35,27 @@ def graded_grid(move: Trajectory, cells: int) -> FloatArray:
     filled = np.interp(even[~crowded], measure, breaks)
     kept = _apart(measure, _CROWDED / cells if len(breaks) > cells else 0.0)
     return np.unique(np.round(np.concatenate([breaks[kept], filled]), _DECIMALS))
+
+
+def with_touches(
+    nodes: FloatArray, move: Trajectory, derivatives: list[int], span: float
+) -> FloatArray:
+    """Add nodes where derivatives of a move touch their peaks, 0…1 standing for its first `span`.
+
+    Multipliers may stand there that none beside it replaces.
+    """
+    ends = move.breaks[move.breaks < span]
+    ends = np.append(ends, span)
+    times = np.unique(np.linspace(ends[:-1], ends[1:], _SAMPLES))
+    found = []
+    for k in derivatives:
+        slope = move(times, k + 1)
+        i = np.flatnonzero(slope[1:] * slope[:-1] < 0.0)
+        at = times[i] + (times[i + 1] - times[i]) * slope[i] / (slope[i] - slope[i + 1])
+        found.append(at[np.abs(move(at, k)) >= _AT_PEAK * move.peak(k)])
+    added = np.concatenate([[], *found]) / span
+    apart = np.abs(added[:, None] - nodes).min(axis=1) > _BESIDE
+    return np.union1d(nodes, np.round(added[apart], _DECIMALS))
 
 
 def _apart(measure: FloatArray, least: float) -> np.typing.NDArray[np.bool_]:

@@ -219,8 +219,9 @@ class HalfProgram:
 def _paid(
     multipliers: FloatArray, lower: FloatArray | float, upper: FloatArray | float
 ) -> FloatArray:
-    """Return each multiplier times the bound that it belongs to."""
-    return np.asarray(np.maximum(multipliers, 0.0) * upper + np.minimum(multipliers, 0.0) * lower)
+    """Return each multiplier times the bound that it belongs to, which may have no other side."""
+    bounds = np.where(multipliers > 0.0, upper, lower)
+    return multipliers * np.where(multipliers == 0.0, 0.0, bounds)
 
 
 def duration_of(worth: FloatArray, distance: float, guess: float) -> float:

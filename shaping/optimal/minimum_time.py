@@ -49,30 +49,33 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
     move = improved(closed, limits)
     if move is not None:
         return move
-    if _is_near(closed, limits):
+    lost = _most_lost(closed, limits)
+    if lost <= _NEAR:
         return closed
     reason = (
         f"order {limits.order} is above {MAX_OPTIMAL_ORDER}"
         if limits.order > MAX_OPTIMAL_ORDER
-        else "these limits are too many decades apart for the linear program"
+        else "these limits are too far apart for the linear program"
     )
     warnings.warn(
-        f"{reason}: this move is the fastest closed form, which may be slower than need be",
+        f"{reason}: this move is the fastest closed form, which may be "
+        + (f"up to {100.0 * lost:.2g} % " if lost < 1.0 else "")
+        + "slower than need be",
         RuntimeWarning,
         stacklevel=5,  # the caller of min_time_move
     )
     return closed
 
 
-def _is_near(closed: Trajectory, limits: Limits) -> bool:
-    """Tell whether the bounds up to jerk, whose closed form is optimal, take nearly as long."""
+def _most_lost(closed: Trajectory, limits: Limits) -> float:
+    """Return how much longer it takes than under the bounds up to jerk, whose minimum is known."""
     low = [k for k in range(1, 4) if limits.bounds(k)[1] < np.inf]
     if not low or not all(np.isfinite(limits.bounds(low[-1]))):
-        return False
+        return np.inf
     fastest = min_time_move(
         float(closed.end_state[0]), truncated(limits, low[-1]), method="closed-form"
     )
-    return closed.duration <= fastest.duration * (1.0 + _NEAR)
+    return closed.duration / fastest.duration - 1.0
 
 
 def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:

@@ -398,6 +398,12 @@ def test_the_recursion_refuses_what_a_move_does():
 # What is refused
 
 
+@pytest.mark.parametrize("distance", [5e-324, 1e-310])
+def test_a_distance_with_too_few_digits_is_refused(distance):
+    with pytest.raises(ValueError, match="leaves the range of a double"):
+        min_time_move(distance, Limits(1.0, 2.0, 3.0, 4.0))
+
+
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_distance_and_start_must_be_finite(value):
     limits = Limits(jerk=1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from references import BOUND, CONTINUITY, END_POSITION, joint_gaps, reference_problems
 
-from jounce.shaping import Limits, min_time_move, perfect_spline
+from jounce.shaping import Limits, certify, min_time_move, perfect_spline
 
 GAPS = {4: 5e-4, 5: 1e-3, 6: 1.5e-3}
 REFERENCES = [
@@ -132,7 +132,7 @@ EXTREMES = {
 
 
 @pytest.mark.parametrize("name", EXTREMES)
-@pytest.mark.filterwarnings("ignore:these limits are too many decades apart:RuntimeWarning")
+@pytest.mark.filterwarnings("ignore:these limits are too far apart:RuntimeWarning")
 def test_extremes_end_in_a_sound_move(name):
     limits = Limits.from_bounds(EXTREMES[name])
     assert_sound(min_time_move(1.0, limits), 1.0, limits)
@@ -169,6 +169,21 @@ def test_barely_active_bounds(order, nudge):
         assert move.violation(Limits.from_bounds(bounds)) <= BOUND
         slower = 1e-12 if nudge >= 0.0 else 10.0 * abs(nudge) + 5e-6
         assert move.duration == pytest.approx(free.duration, rel=slower), f"derivative {k}"
+
+
+@pytest.mark.parametrize(
+    ("free", "bounded"),
+    [
+        (Limits(jerk=(-inf, 5.0), snap=100.0), Limits(jerk=(-1e3, 5.0), snap=100.0)),
+        (Limits(jerk=(-5.0, inf), snap=100.0), Limits(jerk=(-5.0, 1e4), snap=100.0)),
+        (Limits((-inf, 0.5), jerk=5.0, snap=100.0), Limits(0.5, jerk=5.0, snap=100.0)),
+    ],
+    ids=["jerk above", "jerk below", "velocity above"],
+)
+def test_a_side_without_a_bound_is_one_with_a_bound_out_of_reach(free, bounded):
+    move = min_time_move(1.0, free)
+    assert move.duration == pytest.approx(min_time_move(1.0, bounded).duration, rel=1e-9)
+    assert certify(move, free).reached
 
 
 @pytest.mark.parametrize("distance", [1.0, -1.0])
