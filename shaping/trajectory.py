@@ -426,10 +426,30 @@ class Trajectory:
         time_unit: str = "s",
         scale: float = 1.0,
     ) -> Figure:
-        """Return a picture: every derivative, with colour bands where its limit is active.
+        """Return a picture: position and every derivative, coloured where its limit is active.
 
-        `jounce.analysis.plots.plot_trajectory`; without limits the bands show where a derivative
-        stays at its own peak.
+        Parameters
+        ----------
+        limits : Limits, optional
+            Drawn as dashed lines. A derivative's curve is thick and orange where it is within 1e-3
+            of its bound, and bands show the pieces all along which it is. Without limits the bands
+            show where a derivative stays at its own peak.
+        unit, time_unit : str, optional
+            For the labels.
+        scale : float, optional
+            Trajectory units per `unit`, positive.
+
+        Returns
+        -------
+        Figure
+            Of matplotlib, as `jounce.analysis.plots.plot_trajectory` draws it.
+
+        Raises
+        ------
+        TypeError
+            For limits of another kind.
+        ValueError
+            For a scale that is not positive.
         """
         motions = import_module("jounce.analysis.plots")  # shaping itself does without matplotlib
         picture: Figure = motions.plot_trajectory(

@@ -11,13 +11,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...shaping import FollowerResponse, Limits, Trajectory, binding_limits
+from ...shaping.checks import positive
 from ...shaping.derivatives import derivative_name
-from .style import BLUE, GREY, ORANGE, RED, curve_times, unit_label
+from ...shaping.optimal.binding import BINDING_RTOL
+from .style import BLUE, CURVE_POINTS, GREY, ORANGE, RED, curve_times, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ...shaping.pieces import FloatArray
+
 _STYLES = ("-", "--", "-.", ":")
+_TOUCH_POINTS = 50  # a piece; a parabola from bound to bound is within 1e-3 for 2 % of its time
 
 
 def plot_trajectory(
@@ -34,26 +39,43 @@ def plot_trajectory(
     ----------
     trajectory : Trajectory
     limits : Limits, optional
-        Drawn as dashed lines; where a bound is active its derivative's panel is coloured. Without
-        limits a panel is coloured where its derivative stays at its own peak.
+        Drawn as dashed lines. A derivative's curve is thick and orange where it is within 1e-3 of
+        its bound, be it a touch, and bands show the pieces all along which it is
+        (`binding_limits`). Without limits the bands show where a derivative stays at its own peak.
     unit, time_unit : str, optional
         For the labels.
     scale : float, optional
-        Trajectory units per `unit`.
+        Trajectory units per `unit`, positive.
+
+    Returns
+    -------
+    Figure
+        A trajectory of duration zero is a dot in each panel.
+
+    Raises
+    ------
+    TypeError
+        For limits of another kind.
+    ValueError
+        For a scale that is not positive.
     """
+    if limits is not None and not isinstance(limits, Limits):
+        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
+    scale = positive("scale", scale)
     rows = trajectory.order + 1
     figure = Figure(figsize=(8.0, 1.6 * rows + 0.6), layout="constrained")
     panels = figure.subplots(rows, 1, sharex=True)
-    time = curve_times(trajectory)
+    time, marker = curve_times(trajectory), None if len(trajectory.states) else "o"
     for k, ax in enumerate(panels):
-        ax.plot(time, trajectory(time, k) / scale, color=BLUE)
+        ax.plot(time, trajectory(time, k) / scale, color=BLUE, marker=marker)
         ax.set_ylabel(derivative_name(k) + unit_label(unit, time_unit, k))
         ax.grid(alpha=0.3)
         for switch in trajectory.switch_times:
             ax.axvline(switch, color=GREY, linewidth=0.5, linestyle=":")
     if limits is not None:
         _draw_limits(trajectory, limits, panels, scale)
-    _colour(trajectory, limits or _reached(trajectory), panels)
+        _draw_reached(trajectory, limits, panels, scale)
+    _colour(trajectory, _extremes(trajectory) if limits is None else limits, panels)
     panels[-1].set_xlabel(f"time [{time_unit}]")
     figure.align_ylabels(panels)
     return figure
@@ -70,7 +92,31 @@ def _draw_limits(
                 ax.axhline(bound / scale, color=RED, linewidth=0.8, linestyle="--", zorder=1)
 
 
-def _reached(trajectory: Trajectory) -> Limits | None:
+def _draw_reached(
+    trajectory: Trajectory, limits: Limits, panels: Sequence[Axes], scale: float
+) -> None:
+    """Draw the curves again, thick and orange, where they are at a bound, even for an instant."""
+    time = _fine_times(trajectory)
+    for k, ax in enumerate(panels[1:], start=1):
+        values = trajectory(time, k)
+        lower, upper = (bound * (1.0 - BINDING_RTOL) for bound in limits.bounds(k))
+        for at in (values >= upper, values <= lower):
+            if at.any():
+                shown = np.where(at, values / scale, np.nan)
+                [line] = ax.plot(time, shown, "o-", color=ORANGE, linewidth=3.0)
+                line.set(markersize=3.0, markeredgewidth=0.0)
+                line.set_markevery(np.flatnonzero(at & ~np.append(False, at[:-1])).tolist())
+
+
+def _fine_times(trajectory: Trajectory) -> FloatArray:
+    """Return times close enough together to meet a derivative that touches its bound."""
+    starts, ends = trajectory.breaks[:-1, None], trajectory.breaks[1:, None]
+    points = max(10 * CURVE_POINTS // max(len(starts), 1), _TOUCH_POINTS)
+    inside = starts + (ends - starts) * np.linspace(0.0, 1.0, points)
+    return np.minimum(inside, np.nextafter(ends, starts)).ravel()
+
+
+def _extremes(trajectory: Trajectory) -> Limits | None:
     """Return the extremes of a motion as limits; None where nothing moves."""
     extremes = [trajectory.extremes(k) for k in range(1, trajectory.order + 1)]
     if not any(low < 0.0 or high > 0.0 for low, high in extremes):

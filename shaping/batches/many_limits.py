@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Real
+from reprlib import Repr
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..derivatives import derivative_name, derivative_number
+from ..derivatives import DERIVATIVE_NAMES, derivative_name, derivative_number
 from ..limits import Limits
-from ..pieces import FloatArray
+from ..pieces import MAX_ORDER, FloatArray
 
 Bounds = tuple[FloatArray, ...]
 """Positive bounds on derivatives 1…n of moves in the positive direction, velocity first."""
@@ -20,6 +22,9 @@ Values = TypeVar("Values", bound=NDArray[Any])
 
 LimitsOfMany = Limits | Mapping[Any, Any] | ArrayLike
 """What `min_time_moves` takes for limits."""
+
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxother = 80
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +103,31 @@ def flat_part(values: Values, shape: tuple[int, ...], some: slice) -> Values:
     return cast(Values, np.broadcast_to(values, shape).flat[some])
 
 
+def real_array(values: Any) -> FloatArray:
+    """Return real numbers as an array of doubles; TypeError for anything else."""
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind in "iuf" or (
+            array.dtype.kind == "O"  # whole numbers beyond 64 bits
+            and all(isinstance(value, Real) for value in array.flat)
+        ):
+            return array.astype(float, copy=False)
+    except (ValueError, OverflowError):  # rows of different lengths, 10**400
+        pass
+    raise TypeError
+
+
+def named_array(name: str, values: Any) -> FloatArray:
+    """Return real numbers as an array of doubles; TypeError that names anything else."""
+    try:
+        return real_array(values)
+    except TypeError:
+        raise TypeError(
+            f"{name} = {_SHORT.repr(values)}: expected a number or an array of numbers, real and "
+            "within the range of a double"
+        ) from None
+
+
 def many_limits(limits: LimitsOfMany) -> ManyLimits:
     """Return checked limits from what a caller gives.
 
@@ -125,26 +155,42 @@ def many_limits(limits: LimitsOfMany) -> ManyLimits:
 def _named(limits: Mapping[Any, Any]) -> list[tuple[FloatArray, FloatArray]]:
     given = {}
     for key, bound in limits.items():
-        k = derivative_number(key)
-        if k == 0:
-            raise ValueError("position has no limit here: derivatives count from 1 (velocity)")
+        k = _bounded(key)
         if k in given:
             raise ValueError(f"{derivative_name(k)} is bounded twice, by its name and its number")
         given[k] = bound
     return [_sides(given.get(k), k) for k in range(1, max(given, default=0) + 1)]
 
 
+def _bounded(key: Any) -> int:
+    """Return the number of a derivative that can be bounded."""
+    expected = (
+        f"expected a number from 1 to {MAX_ORDER} or one of {', '.join(DERIVATIVE_NAMES[1:])}"
+    )
+    if isinstance(key, str) and key not in DERIVATIVE_NAMES:
+        raise ValueError(f"unknown derivative {key!r} in limits: {expected}")
+    try:
+        k = derivative_number(key)
+    except TypeError:
+        raise TypeError(f"derivative {key!r} in limits: {expected}") from None
+    if k == 0:
+        raise ValueError("position has no limit here: derivatives count from 1 (velocity)")
+    if k > MAX_ORDER:
+        raise ValueError(f"derivative {k} in limits: {expected}")
+    return k
+
+
 def _columns(limits: ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
     try:
-        array = np.asarray(limits, dtype=float)
-    except (TypeError, ValueError):
+        array = real_array(limits)
+    except TypeError:
         array = np.empty(())
     if array.ndim not in (1, 2, 3) or (array.ndim == 3 and array.shape[-1] != 2):
-        found = f" of shape {array.shape}" if array.ndim else f" = {limits!r}"
+        found = f" of shape {array.shape}" if array.ndim else f" = {_SHORT.repr(limits)}"
         raise TypeError(
             f"limits{found}: expected Limits, a mapping such as "
             "{'velocity': [1.0, 2.0], 'jerk': 5.0}, or an array (N, order) of bounds or "
-            "(N, order, 2) of pairs, velocity first"
+            "(N, order, 2) of pairs, velocity first, infinite where there is no limit"
         )
     if array.ndim == 3:
         columns = array.transpose(1, 2, 0)
@@ -160,7 +206,7 @@ def _sides(bound: Any, k: int) -> tuple[FloatArray, FloatArray]:
         size = _positive(bound, bound, 1.0, k)
         return size, size
     if len(bound) != 2:
-        raise TypeError(_expected(k, f" = {bound!r}"))
+        raise TypeError(_expected(k, f" = {_SHORT.repr(bound)}"))
     low, high = bound
     rising, falling = _positive(high, bound, 1.0, k), _positive(low, bound, -1.0, k)
     return rising, (rising if np.array_equal(rising, falling) else falling)
@@ -168,12 +214,9 @@ def _sides(bound: Any, k: int) -> tuple[FloatArray, FloatArray]:
 
 def _positive(side: Any, bound: Any, sign: float, k: int) -> FloatArray:
     try:
-        if np.asarray(side).dtype.kind not in "iuf":
-            raise TypeError
-        values = np.array(side, dtype=float)
-    except (TypeError, ValueError):
-        raise TypeError(_expected(k, f" = {bound!r}")) from None
-    values *= sign
+        values = np.asarray(sign * real_array(side))
+    except TypeError:
+        raise TypeError(_expected(k, f" = {_SHORT.repr(bound)}")) from None
     right = values > 0.0
     if not right.all():
         where = np.argwhere(~right)[0]

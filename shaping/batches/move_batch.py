@@ -16,7 +16,7 @@ from ..trajectory import Trajectory, point
 from . import plans
 from .blocks import Moves, blocks, spoilt_bound, spoilt_text
 from .grids import fill
-from .many_limits import ManyLimits
+from .many_limits import ManyLimits, named_array
 
 
 class MovePieces(NamedTuple):
@@ -120,11 +120,16 @@ class MoveBatch:
         -------
         (N, T) array
             8 bytes a value. At a break the value just after it.
+
+        Raises
+        ------
+        ValueError
+            For more than 1e9 values (8 GB): evaluate fewer at a time.
         """
-        k = derivative_number(derivative)
+        k, times = derivative_number(derivative), self._times(t, 1)
         if k > self.order:
-            return np.zeros((*self.shape, *np.shape(t)))
-        return np.asarray(self._evaluate(t, range(k, k + 1))[0])
+            return np.zeros((*self.shape, *times.shape))
+        return np.asarray(self._evaluate(times, range(k, k + 1))[0])
 
     def evaluate(self, t: ArrayLike, highest: int | str | None = None) -> FloatArray:
         """Evaluate position and derivatives 1…highest of every move at the same times.
@@ -140,11 +145,16 @@ class MoveBatch:
         -------
         (highest + 1, N, T) array
             8 bytes a value, which is all the memory that grows with N and T.
+
+        Raises
+        ------
+        ValueError
+            For more than 1e9 values (8 GB): evaluate fewer at a time.
         """
         k = self.order if highest is None else derivative_number(highest)
         if k > self.order:
             raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
-        return self._evaluate(t, range(k + 1))
+        return self._evaluate(self._times(t, k + 1), range(k + 1))
 
     def sample(self, dt: float, highest: int | str | None = None) -> tuple[FloatArray, FloatArray]:
         """Sample every move on one time grid that ends with the longest.
@@ -172,12 +182,11 @@ class MoveBatch:
         dt = positive("dt", dt)
         end = float(self.duration.max(initial=0.0))
         rows = 1 + (self.order if highest is None else derivative_number(highest))
-        if end / dt * rows * self.duration.size > MAX_SAMPLES:
-            raise ValueError(
-                f"dt = {dt!r} makes {end / dt * rows * self.duration.size:.3g} values: expected at "
-                f"most {MAX_SAMPLES:.0e}; use a larger dt, a lower highest derivative, or fewer "
-                "moves at a time"
-            )
+        _check_size(
+            f"dt = {dt!r}",
+            end / dt * rows * self.duration.size,
+            "a larger dt, a lower highest derivative, or fewer moves at a time",
+        )
         times = np.append(dt * np.arange(int(np.ceil(end / dt * (1.0 - 1e-12)))), end)
         return times, self.evaluate(times, highest)
 
@@ -189,8 +198,16 @@ class MoveBatch:
         MovePieces
             Up to m = 2ⁿ − 1 pieces for each, in 8·(m + 1 + m + m·(n + 1)) bytes: 344 a move for
             n = 3, up to 0.85 kB for n = 4, 2 kB for n = 5 and 4.5 kB for n = 6.
+
+        Raises
+        ------
+        ValueError
+            For more than 1e9 values (8 GB): take the pieces of fewer moves at a time.
         """
         m, size = plans.most_pieces(self.order, self.forms), self.duration.size
+        _check_size(
+            f"{m} pieces a move", float(size) * (m * (self.order + 3) + 1), "fewer moves at a time"
+        )
         breaks, durations = np.empty((size, m + 1)), np.zeros((size, m))
         states = np.zeros((size, m, self.order + 1))
         for block in blocks(self._moves):
@@ -218,11 +235,20 @@ class MoveBatch:
             peaks[block.lanes] = np.maximum(largest.max(axis=0), 0.0)
         return peaks.reshape(self.shape)
 
-    def _evaluate(self, t: ArrayLike, derivatives: range) -> FloatArray:
-        times = np.asarray(t, dtype=float)
-        flat = times.ravel()
-        if not np.isfinite(flat).all():
+    def _times(self, t: ArrayLike, rows: int) -> FloatArray:
+        """Return times, checked, at which that many rows of values fit into memory."""
+        times = named_array("t", t)
+        if not np.isfinite(times).all():
             raise ValueError("times must be finite: got NaN or infinity")
+        _check_size(
+            f"{times.size} times of {self.duration.size} moves",
+            float(times.size) * self.duration.size * rows,
+            "fewer times or moves at a time",
+        )
+        return times
+
+    def _evaluate(self, times: FloatArray, derivatives: range) -> FloatArray:
+        flat = times.ravel()
         order = None if bool((flat[1:] >= flat[:-1]).all()) else np.argsort(flat)
         out = np.empty((len(derivatives), self.duration.size, flat.size))
         for block in blocks(self._moves):
@@ -234,3 +260,11 @@ class MoveBatch:
     @property
     def _moves(self) -> Moves:
         return Moves(self.distances, self.starts, self.limits, self.duration, self.forms)
+
+
+def _check_size(what: str, values: float, remedy: str) -> None:
+    """Refuse more values than a computer has memory for."""
+    if values > MAX_SAMPLES:
+        raise ValueError(
+            f"{what} makes {values:.3g} values: expected at most {MAX_SAMPLES:.0e}; use {remedy}"
+        )

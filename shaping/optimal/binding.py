@@ -9,9 +9,12 @@ from ..limits import Limits
 from ..pieces import extrema
 from ..trajectory import Trajectory
 
+BINDING_RTOL = 1e-3
+"""How near to its bound, relative, a derivative counts as at it."""
+
 
 def binding_limits(
-    trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-3
+    trajectory: Trajectory, limits: Limits, *, rtol: float = BINDING_RTOL
 ) -> tuple[tuple[int, ...], ...]:
     """Return the derivatives that are at a bound all along each piece.
 
@@ -20,8 +23,9 @@ def binding_limits(
     trajectory : Trajectory
     limits : Limits
     rtol : float, optional
-        How near to its bound, relative, a derivative counts as at it. An optimal move of order 4
-        or more comes as near as that where its true minimum would stay at the bound.
+        How near to its bound, relative, a derivative counts as at it; below 1. An optimal move of
+        order 4 or more comes as near as the default where its true minimum would stay at the
+        bound.
 
     Returns
     -------
@@ -33,7 +37,9 @@ def binding_limits(
     Raises
     ------
     ValueError
-        For an rtol that is not positive.
+        For an rtol that is not between 0 and 1.
+    TypeError
+        For anything but a Trajectory and Limits.
 
     Examples
     --------
@@ -42,7 +48,17 @@ def binding_limits(
     >>> binding_limits(min_time_move(1.0, limits), limits)
     ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
     """
+    if not isinstance(trajectory, Trajectory):
+        raise TypeError(
+            f"trajectory = {trajectory!r}: expected a Trajectory, as min_time_move gives"
+        )
+    if not isinstance(limits, Limits):
+        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
     rtol = positive("rtol", rtol)
+    if rtol >= 1.0:
+        raise ValueError(
+            f"rtol = {rtol!r}: expected less than 1, at which everything is at a bound"
+        )
     held: list[list[int]] = [[] for _ in trajectory.states]
     for k in range(1, min(limits.order, trajectory.order) + 1):
         if not held:

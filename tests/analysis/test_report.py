@@ -195,6 +195,32 @@ def test_plan_tables_keep_their_numbers_in_a_narrow_terminal():
     assert "…" not in shown(plan_tables(plan_of_order(6)), width=80)
 
 
+@pytest.mark.parametrize("width", [60, 80, 160, 1000])
+@pytest.mark.parametrize("order", [2, 6, 11, 14])
+def test_no_number_of_the_switch_table_is_broken(order, width):
+    """At order 12, "1.53063e-10" once read "1.53063e" above "-10"."""
+    bounds = {1: "1 mm/s", order: f"4e{order} mm/s^{order}"}
+    plan = plan_move("1 mm", bounds, method="closed-form")
+    text = shown([plan_tables(plan)[1]], width)
+    assert max(map(len, text.splitlines())) <= width
+    blocks = re.split("Switch table", text)[1:]
+    assert (len(blocks) == 1) == (order == 2 or width == 1000 or (order, width) == (6, 160))
+    header, rows = switch_rows(plan)
+    found = []
+    for block in blocks:
+        lines = [line.split() for line in re.split("─ *\n", block)[-1].splitlines()]
+        columns = list(zip(*(line for line in lines if line), strict=True))
+        assert len(columns[0]) == len(rows)
+        assert [float(time) for time in columns[0]] == pytest.approx([row[0] for row in rows])
+        found += columns[1:]
+    assert len(found) == order + 1
+    for column, values in zip(found, zip(*(row[1:] for row in rows), strict=True), strict=True):
+        largest = max(map(abs, values))
+        assert [float(n) for n in column] == pytest.approx(values, rel=1e-5, abs=1e-11 * largest)
+    for name in header:
+        assert all(part in text for part in name.rsplit(" ", 1))
+
+
 def test_plan_tables_carry_the_units():
     text = shown(plan_tables(plan_of_order(3)))
     for part in ("time [s]", "position [mm]", "velocity [mm/s]", "jerk [mm/s^3]"):

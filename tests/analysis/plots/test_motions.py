@@ -8,7 +8,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from jounce.analysis.plots import motions as plots
-from jounce.shaping import CommandFollower, FollowerResponse, Limits, Trajectory, min_time_move
+from jounce.shaping import (
+    CommandFollower,
+    FollowerResponse,
+    Limits,
+    Trajectory,
+    min_jerk_move,
+    min_time_move,
+    recursive_s_curve,
+)
+from jounce.shaping.optimal.binding import BINDING_RTOL
 
 COMMANDS = [0.0, 1.0, 1.0, 1.0, 1.0, -2.0, -2.0, -2.0, 0.5, 0.5, 0.5, 0.5]
 
@@ -73,6 +82,109 @@ def test_without_limits_the_bands_are_where_a_derivative_stays_at_its_peak(dista
     assert [len(panel) for panel in bands(found)] == [0, 1, 2, 4]
     assert [len(ax.lines) for ax in found.axes] < [len(ax.lines) for ax in move.plot(limits).axes]
     assert bands(min_time_move(0.0, limits).plot()) == [[], [], [], []]
+
+
+def thick(ax: Axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return times and values of the thick curves of a panel."""
+    return [
+        (line.get_xdata()[at], line.get_ydata()[at])
+        for line in ax.lines
+        if line.get_color() == plots.ORANGE and line.get_linewidth() > 2.0
+        for at in [np.isfinite(line.get_ydata())]
+    ]
+
+
+def many_pieces() -> tuple[Trajectory, Limits]:
+    limits = Limits(1.5, 6.0, 60.0, 700.0, 1e4, 1.5e5)
+    return recursive_s_curve(1.0, limits), limits
+
+
+CURVES = {
+    "seven pieces": lambda: (
+        min_time_move(1.0, Limits(2.0, 10.0, 100.0)),
+        Limits(2.0, 10.0, 100.0),
+    ),
+    "backwards": lambda: (min_time_move(-1.0, Limits(9.0, (-2.0, 1.0))), Limits(9.0, (-2.0, 1.0))),
+    "optimal": lambda: (
+        min_time_move(1.0, Limits(1.3, 9.0, snap=900.0)),
+        Limits(1.3, 9.0, snap=900.0),
+    ),
+    "many pieces": many_pieces,
+    "only touches": lambda: (min_jerk_move(1.0, duration=1.0), Limits(1.875, 5.7735, 60.0)),
+}
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_a_curve_is_thick_where_and_only_where_it_is_at_a_bound(name):
+    move, limits = CURVES[name]()
+    panels = move.plot(limits, scale=0.5).axes
+    assert thick(panels[0]) == []
+    for k, ax in enumerate(panels[1:], start=1):
+        bounds, extremes, drawn = limits.bounds(k), move.extremes(k), thick(ax)
+        near = [bound * (1.0 - BINDING_RTOL) for bound in bounds]
+        reached = [extremes[0] <= near[0], extremes[1] >= near[1]]
+        assert len(drawn) == sum(reached), f"{name}, derivative {k}"
+        for time, values in drawn:
+            np.testing.assert_allclose(0.5 * values, move(time, k), rtol=1e-13)
+            low, high = 0.5 * values.min(), 0.5 * values.max()
+            assert high <= near[0] or low >= near[1], f"{name}, derivative {k}"
+        grid = np.linspace(move.start_time, move.end_time, 5000)
+        at = grid[(move(grid, k) <= near[0]) | (move(grid, k) >= near[1])]
+        times = np.concatenate([[-np.inf], *(time for time, _ in drawn)])
+        gaps = [np.abs(times - t).min() for t in at]
+        assert max(gaps, default=0.0) <= 1e-2 * move.duration, f"{name}, derivative {k}"
+
+
+def test_a_touch_shows():
+    """The polynomial of least jerk meets its greatest velocity for an instant only, halfway."""
+    limits = Limits(velocity=1.875)
+    velocity = min_jerk_move(1.0, duration=1.0).plot(limits).axes[1]
+    [(time, _)] = thick(velocity)
+    assert len(velocity.patches) == 0
+    assert 0.48 < time.min() < 0.5 < time.max() < 0.52
+
+
+def test_a_single_sample_at_a_bound_is_a_dot():
+    """A triangle in acceleration: its tip is at the bound at one break only."""
+    jerk = 1e6
+    move = min_time_move(1.0, Limits(jerk=jerk))
+    limits = Limits(acceleration=move.peak("acceleration") / (1.0 - BINDING_RTOL * (1.0 - 1e-9)))
+    figure = move.plot(limits)
+    tips = [line for line in figure.axes[2].lines if line.get_linewidth() > 2.0]
+    assert len(tips) == 2
+    for line in tips:
+        [start] = line.get_markevery()
+        assert np.isfinite(line.get_ydata()[start])
+        assert line.get_marker() == "o"
+    render(figure)
+
+
+def test_without_limits_no_peak_is_marked_as_a_bound():
+    move, _ = many_pieces()
+    assert [thick(ax) for ax in move.plot().axes] == [[]] * 7
+
+
+@pytest.mark.parametrize("limits", ["x", 3.0, (1.0, 2.0), {"jerk": 1.0}], ids=str)
+def test_limits_of_another_kind_are_refused(limits):
+    move = min_time_move(1.0, Limits(jerk=1.0))
+    for plot in (move.plot, lambda limits: plots.plot_trajectory(move, limits=limits)):
+        with pytest.raises(TypeError, match=r"^limits = .*: expected Limits, such as Limits"):
+            plot(limits)
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, np.nan, np.inf])
+def test_a_scale_that_is_not_positive_is_refused(scale):
+    with pytest.raises(ValueError, match=f"^scale = {scale}: expected a positive"):
+        min_time_move(1.0, Limits(jerk=1.0)).plot(scale=scale)
+
+
+@pytest.mark.parametrize("limits", [None, Limits(jerk=1.0)], ids=["free", "limits"])
+def test_a_point_is_a_dot_in_every_panel(limits):
+    figure = min_time_move(0.0, Limits(jerk=1.0), start=3.0).plot(limits)
+    for ax, value in zip(figure.axes, [3.0, 0.0, 0.0, 0.0], strict=True):
+        [dot] = [line for line in ax.lines if line.get_marker() == "o"]
+        assert [list(values) for values in dot.get_data()] == [[0.0], [value]]
+    render(figure)
 
 
 def test_a_trajectory_draws_itself_with_units():

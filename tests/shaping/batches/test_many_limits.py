@@ -77,7 +77,13 @@ def test_each_direction_sees_its_own_bounds():
         ({}, "no limits given: bound at least one derivative"),
         ({"velocity": inf, "jerk": None}, "no limits given"),
         ({"position": 1.0}, "position has no limit here"),
-        ({"speed": 1.0}, "unknown derivative 'speed'"),
+        (
+            {"speed": 1.0},
+            "unknown derivative 'speed' in limits: expected a number from 1 to 40 or one of "
+            "velocity, acceleration, jerk, snap, crackle, pop",
+        ),
+        ({10**8: 1.0}, "derivative 100000000 in limits: expected a number from 1 to 40"),
+        ({-1: 1.0}, "derivative -1"),
         ({"jerk": 1.0, 3: 2.0}, "jerk is bounded twice, by its name and its number"),
         ({"jerk": 0.0}, "jerk limit = 0.0: expected positive numbers, or a tuple"),
         ({"jerk": [1.0, -2.0]}, "jerk limit[1] = -2.0: expected positive"),
@@ -87,7 +93,7 @@ def test_each_direction_sees_its_own_bounds():
         ([[1.0, 2.0], [1.0, -3.0]], "acceleration limit[1] = -3.0: expected positive"),
         (np.array([[[1.0, 2.0]]]), "velocity limit[0] = 1.0: expected positive"),
     ],
-    ids=range(12),
+    ids=range(14),
 )
 def test_what_is_no_bound_is_refused(limits, message):
     with pytest.raises(ValueError, match=re.escape(message)):
@@ -106,10 +112,22 @@ def test_what_is_no_bound_is_refused(limits, message):
         ({"jerk": "1"}, "jerk limit = '1': expected positive numbers"),
         ({"jerk": True}, "jerk limit = True: expected positive numbers"),
         ({"jerk": (1.0, 2.0, 3.0)}, "jerk limit = (1.0, 2.0, 3.0): expected positive numbers"),
-        ({1.5: 2.0}, "integer"),
+        ({1.5: 2.0}, "derivative 1.5 in limits: expected a number from 1 to 40"),
+        ([[None, 1.0]], "limits = [[None, 1.0]]: expected Limits"),
+        ([["1", "2"]], "limits = [['1', '2']]: expected Limits"),
+        (np.ones((2, 2)) * 1j, "expected Limits, a mapping"),
+        ({"jerk": [1.0, 2j]}, "jerk limit = [1.0, 2j]: expected positive numbers"),
+        ({"jerk": [[1.0], [1.0, 2.0]]}, "jerk limit = [[1.0], [1.0, 2.0]]: expected positive"),
+        ({"jerk": ["a"] * 1000}, "'a', ...]: expected positive numbers"),
+        ({"jerk": 10**400}, ": expected positive numbers"),
     ],
-    ids=range(10),
+    ids=range(17),
 )
 def test_limits_of_another_kind_are_refused(limits, message):
     with pytest.raises(TypeError, match=re.escape(message)):
         many_limits(limits)
+
+
+def test_whole_numbers_beyond_64_bits_are_numbers():
+    many = many_limits({"velocity": 10**30, "jerk": [10**40, 2]})
+    assert bounds(many)[0] == [1e30, inf, [1e40, 2.0]]

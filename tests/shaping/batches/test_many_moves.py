@@ -246,6 +246,29 @@ def test_what_does_not_fit_is_refused(changes, message):
         min_time_moves(given["distances"], given["limits"], start=given["start"])
 
 
+@pytest.mark.parametrize("name", ["distances", "start"])
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        (None, "None"),
+        ("1", "'1'"),
+        (["1", "2"], r"\['1', '2'\]"),
+        ([1.0, None], r"\[1.0, None\]"),
+        ([[1.0], [1.0, 2.0]], r"\[\[1.0\], \[1.0, 2.0\]\]"),
+        ([1.0, 2j], r"\[1.0, 2j\]"),
+        (np.array([1j]), r"array\(\[0.\+1.j\]\)"),
+        ([True], r"\[True\]"),
+        ({"a": 1}, r"\{'a': 1\}"),
+        (10**400, "1000.*000"),
+    ],
+    ids=["None", "text", "texts", "gap", "ragged", "complex", "array", "truth", "dict", "huge"],
+)
+def test_what_is_no_array_of_numbers_is_refused_by_name(name, values, shown):
+    given = {"distances": [1.0, 2.0], "start": 0.0, name: values}
+    with pytest.raises(TypeError, match=f"^{name} = {shown}: expected a number or an array"):
+        min_time_moves(given["distances"], LIMITS, start=given["start"])
+
+
 # Memory
 
 

@@ -9,6 +9,7 @@ from move_batches import as_trajectory, move_lists, random_moves, together
 from references import BOUND, CONTINUITY, END_POSITION, joint_gaps
 
 from jounce.shaping import Limits, Trajectory
+from jounce.shaping.batches import move_batch as module
 from jounce.shaping.batches.many_moves import min_time_moves
 from jounce.shaping.batches.move_batch import MoveBatch
 
@@ -218,6 +219,43 @@ def test_peaks_are_those_of_the_moves(order, decades):
 
 
 # What is refused
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda batch, t: batch(t), "makes 1e+11 values: expected at most 1e+09; use fewer times"),
+        (lambda batch, t: batch(t, "pop"), "100000 times of 1000000 moves makes 1e+11 values"),
+        (lambda batch, t: batch.evaluate(t), "makes 4e+11 values: expected at most 1e+09"),
+        (lambda batch, t: batch.evaluate(t, "velocity"), "makes 2e+11 values"),
+        (lambda batch, t: batch.evaluate(t[:251]), "makes 1e+09 values: expected at most 1e+09"),
+        (lambda batch, _: batch.sample(1e-5), "dt = 1e-05 makes"),
+    ],
+    ids=["call", "zeros", "evaluate", "lower", "just", "sample"],
+)
+def test_more_values_than_fit_are_refused(call, message):
+    """Of a million moves, before any memory is asked for."""
+    batch = min_time_moves(np.ones(10**6), LIMITS)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        call(batch, np.linspace(0.0, 1.0, 10**5))
+
+
+def test_more_pieces_than_fit_are_refused(monkeypatch):
+    batch = min_time_moves(np.ones(50), LIMITS)
+    numbers = sum(array.size for array in batch.pieces())
+    monkeypatch.setattr(module, "MAX_SAMPLES", numbers)
+    assert batch.pieces().breaks.shape == (50, 8)
+    monkeypatch.setattr(module, "MAX_SAMPLES", numbers - 1)
+    with pytest.raises(ValueError, match=r"^7 pieces a move makes .*; use fewer moves at a time"):
+        batch.pieces()
+
+
+@pytest.mark.parametrize("t", [None, "1", ["a"], [1j], [[1.0], [1.0, 2.0]]], ids=str)
+def test_times_that_are_no_numbers_are_refused(t):
+    batch = min_time_moves([1.0, 2.0], LIMITS)
+    for call in (batch, batch.evaluate):
+        with pytest.raises(TypeError, match=r"^t = .*: expected a number or an array"):
+            call(t)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import pytest
 
 from jounce.shaping import Limits, min_time_move
 from jounce.shaping.optimal import binding_limits
+from jounce.shaping.optimal.binding import BINDING_RTOL
 
 
 def test_an_s_curve_with_all_bounds_reached():
@@ -40,7 +41,35 @@ def test_a_point_has_no_pieces():
     assert binding_limits(min_time_move(0.0, limits), limits) == ()
 
 
-def test_rtol_must_be_positive():
+@pytest.mark.parametrize("rtol", [-1.0, 0.0, 1.0, 2.0, float("nan")])
+def test_rtol_must_be_between_0_and_1(rtol):
+    """From 1 on everything would be at a bound, even what does not move."""
     limits = Limits(jerk=1.0)
-    with pytest.raises(ValueError, match=r"rtol = -1\.0"):
-        binding_limits(min_time_move(1.0, limits), limits, rtol=-1.0)
+    with pytest.raises(ValueError, match=f"^rtol = {rtol}: expected "):
+        binding_limits(min_time_move(1.0, limits), limits, rtol=rtol)
+
+
+@pytest.mark.parametrize("rtol", [BINDING_RTOL, 0.3, 0.9])
+def test_rtol_is_how_near_counts_as_at_the_bound(rtol):
+    move = min_time_move(1.0, Limits(velocity=2.0, acceleration=10.0))
+    for share, cruise in ((0.99, (1,)), (1.01, ())):
+        wider = Limits(velocity=2.0 / (1.0 - share * rtol))
+        assert binding_limits(move, wider, rtol=rtol) == ((), cruise, ())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"limits": None}, "^limits = None: expected Limits, such as"),
+        ({"limits": "x"}, "^limits = 'x': expected Limits, such as"),
+        ({"trajectory": None}, "^trajectory = None: expected a Trajectory"),
+        ({"trajectory": 1.0}, "^trajectory = 1.0: expected a Trajectory"),
+        ({"rtol": "1"}, "^rtol = '1': expected a number"),
+    ],
+    ids=["no limits", "text", "no trajectory", "number", "rtol"],
+)
+def test_arguments_of_another_kind_are_refused(change, message):
+    limits = Limits(jerk=1.0)
+    given = {"trajectory": min_time_move(1.0, limits), "limits": limits, **change}
+    with pytest.raises(TypeError, match=message):
+        binding_limits(**given)
