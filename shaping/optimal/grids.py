@@ -13,7 +13,7 @@ _CROWDED = 0.3  # of the aimed-at cell: nodes nearer to each other are one
 _SHARE = 0.9  # of the losses that a refinement goes after
 _MOST_SPLIT = 60
 _BRACKET = 0.05  # of a cell: how near to a root of the costate the next nodes are
-_SAMPLES = 9
+_SAMPLES, _FINE_SAMPLES = 9, 65
 _SAME = 1e-6  # of the bound: inputs that differ by less are equal
 _FAR = 0.9  # of its bound: a change of a derivative that matters
 _SUDDEN = 3  # cells
@@ -46,7 +46,7 @@ def with_touches(
     """
     ends = move.breaks[move.breaks < span]
     ends = np.append(ends, span)
-    times = np.unique(np.linspace(ends[:-1], ends[1:], _SAMPLES))
+    times = np.unique(np.linspace(ends[:-1], ends[1:], _FINE_SAMPLES))
     found = []
     for k in derivatives:
         slope = move(times, k + 1)

@@ -8,8 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import MAGNITUDES, bound_lists
 
-from jounce.shaping import Limits, Trajectory, min_time_move
-from jounce.shaping.optimal.grids import graded_grid, refined, split_losses, split_switches
+from jounce.shaping import Limits, Trajectory, min_time_move, perfect_spline
+from jounce.shaping.optimal.grids import (
+    graded_grid,
+    refined,
+    split_losses,
+    split_sudden,
+    split_switches,
+    with_touches,
+)
 from jounce.shaping.optimal.multipliers import Multipliers
 
 FEW = settings(max_examples=max(10, settings.default.max_examples // 2))
@@ -190,3 +197,42 @@ def test_slack_multipliers_cut_their_cells_and_nothing_lost_leaves_the_grid(seed
     chosen = cut(nodes, refined(nodes, found, nothing, slack))
     assert slack[chosen].sum() >= 0.75 * slack.sum()
     assert slack[chosen].min() >= slack[~chosen].max(initial=0.0)
+
+
+# Where no multiplier tells
+
+
+@pytest.mark.parametrize(
+    ("inputs", "levels", "expected"),
+    [
+        ([1, 1, 0.5, -1, -1], [0, 0.5, 1, -1, -0.5, 0], [2]),
+        ([1, 1, 0.5, 0.5, -1], [0, 0.5, 1, 0.3, -0.2, 0], [2, 3]),
+        ([1, 1, 0.5, -1, -1], [0, 0.5, 1, 0.8, -0.5, 0], []),
+        ([1, 1, 0, -1, -1], [0, 0.5, 1, -1, -0.5, 0], []),
+        ([0.5, 0.5, 0.5, 0.5, 0.5], [0, 0.5, 1, -1, -0.5, 0.95], []),
+        ([0.5, 1, 1, 1, 1], [-1, 1, 1, 1, 1, 1], [0]),
+    ],
+    ids=["sudden", "in two cells", "not far", "input zero", "in many cells", "at the start"],
+)
+def test_cells_are_cut_in_which_a_derivative_crosses_its_range(inputs, levels, expected):
+    nodes = np.array([0.0, 0.1, 0.4, 0.5, 0.9, 1.0])
+    both = np.array([levels, np.zeros(6)])
+    for sign in (1.0, -1.0):
+        after = split_sudden(nodes, 7.0 * sign * np.array(inputs, float), 7.0, sign * both)
+        assert np.flatnonzero(cut(nodes, after)).tolist() == expected
+
+
+@pytest.mark.parametrize("order", [4, 5, 6])
+def test_nodes_are_added_where_a_derivative_turns_at_its_peak(order):
+    """x^(k) of a perfect spline turns where x^(k+1) is zero: compared with a dense search."""
+    spline = perfect_spline(3.0, order, 2.0)
+    half = 0.5 * spline.duration
+    times = np.linspace(0.0, half, 200_001)
+    for k in range(2, order - 1):
+        values = np.abs(spline(times, k))
+        turns = 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
+        highest = times[turns[values[turns] >= 0.99 * spline.peak(k)]] / half
+        nodes = with_touches(np.array([0.0, 1.0]), spline, [k], half)
+        assert nodes[1:-1] == pytest.approx(highest, abs=1e-4), f"derivative {k}"
+        assert len(with_touches(nodes, spline, [k], half)) == len(nodes)  # they are there
+    assert with_touches(np.array([0.0, 1.0]), spline, [], half).tolist() == [0.0, 1.0]

@@ -272,3 +272,33 @@ def test_duration_of_solves_the_polynomial(worth, guess):
     assert half == pytest.approx(
         float(np.exp(brentq(short_of, -20.0, 20.0, xtol=1e-15))), rel=1e-11
     )
+
+
+# Bounds left out
+
+
+@FEW
+@given(bounds=bound_lists(4, 6), seed=SEEDS, half=HALVES)
+def test_levels_are_those_of_the_motion(bounds, seed, half):
+    problem, nodes = problem_of(bounds), grid(seed)
+    inputs = np.random.default_rng(seed).uniform(-1.0, 1.0, len(nodes) - 1)
+    found = problem.levels(nodes, inputs, half)
+    for k, row in zip(problem.relevant(), found, strict=True):
+        reached = motion(nodes, inputs, problem.order)[k](nodes) / half**k
+        scale = np.abs(reached).max() / problem.upper[k]
+        np.testing.assert_allclose(row, reached / problem.upper[k], rtol=0, atol=1e-12 * scale)
+
+
+def test_a_bound_that_was_left_out_comes_back_where_inputs_break_it():
+    """A jerk bound of four times the perfect spline's peak."""
+    snap = Limits(snap=1.0)
+    problem = problem_of([None, None, 4.0 * closed_form(1.0, snap).peak("jerk"), 1.0])
+    assert problem.relevant() == []
+    nodes, half = grid(3), 1.0
+    jerk = problem.upper[3]
+    for factor, expected in ((0.99, []), (1.01, [3])):
+        inputs = np.full(len(nodes) - 1, factor * jerk)  # over 1 they make a jerk of as much
+        complete = problem.completed(nodes, inputs, half)
+        assert complete.relevant() == expected
+        assert (complete is problem) == (not expected)
+        assert complete.completed(nodes, inputs, half) is complete
