@@ -28,7 +28,7 @@ MAX_OPTIMAL_ORDER = 10
 """Highest order that a linear program is tried for; above it a move is the closed form."""
 
 _CELLS = 40
-_NEGLIGIBLE = 1e-9  # a gain in duration that is not worth leaving a closed form for
+_NEGLIGIBLE = 1e-7  # a gain in duration that is not worth leaving a closed form for
 _NEAR = 1e-3  # of the duration: what a closed form may lose without a warning
 _SHORT = 2e-5  # of the duration: what moving averages of a lower order may cost
 _NOT_LONG = 2e-4  # the same where the linear program is tried as well

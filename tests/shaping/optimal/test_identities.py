@@ -19,6 +19,7 @@ from strategies import MAGNITUDES, UNIT_FACTORS, bound_lists, bound_pairs
 from jounce.shaping import Limits, min_time_move
 from jounce.shaping.optimal import binding_limits, certify
 
+pytestmark = pytest.mark.filterwarnings("ignore:these limits are too far apart:RuntimeWarning")
 HIGHEST = 8 if os.environ.get("JOUNCE_TIER") == "slow" else 6
 FEW = settings(max_examples=max(8, settings.default.max_examples // 25))
 BOUNDS = bound_lists(4, HIGHEST)
