@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
@@ -17,6 +18,7 @@ _PATIENCE = 4
 _FAR = 0.95  # of a bound known before: what the second round must come to
 _STALLED = 0.02  # of the gap: progress in a round below which it counts as idle
 _ROUNDING = 1e-13
+_CLOSE = 0.7  # of an extreme: where a derivative is farther from it no multiplier is of use
 
 
 class BoundSearch:
@@ -37,7 +39,7 @@ class BoundSearch:
         parts = 3 if self.problem.order < 6 else 2
         at, reached, idle = 1.0 if self.problem.cruising else half, 0.0, 0
         for trial in range(_ROUNDS):
-            multipliers = RelaxedProgram(self.problem, nodes, parts).solve(at)
+            multipliers = RelaxedProgram(self.problem, nodes, parts, self._near(nodes)).solve(at)
             if multipliers is None:
                 return
             found, waste, slack = self._take(multipliers, parts)
@@ -50,6 +52,16 @@ class BoundSearch:
             nodes = refined(nodes, multipliers, waste, slack)
             if len(nodes) > _MOST_CELLS:
                 return
+
+    def _near(self, nodes: FloatArray) -> NDArray[np.bool_]:
+        """Tell at which nodes, or next to which, a derivative comes near the motion's extremes."""
+        values = self.motion.evaluate(nodes * self.span)[: self.problem.order]
+        near: NDArray[np.bool_] = values >= _CLOSE * values.max(axis=1, keepdims=True)
+        near |= values <= _CLOSE * values.min(axis=1, keepdims=True)
+        beside = near.copy()
+        beside[:, 1:] |= near[:, :-1]
+        beside[:, :-1] |= near[:, 1:]
+        return beside
 
     def _take(self, multipliers: Multipliers, parts: int) -> tuple[float, FloatArray, FloatArray]:
         """Return the bound, and what the motion loses against it, see `refined`."""

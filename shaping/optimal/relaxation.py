@@ -7,6 +7,7 @@ side to side within the cell, its mean zero, and prove little.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..pieces import FloatArray
 from .half_problem import HalfProblem
@@ -25,9 +26,18 @@ class RelaxedProgram:
         From 0 to 1.
     parts : int
         Into how many every cell is cut; the input is constant on each part.
+    near : (n, N + 1) array of bool, optional
+        At which nodes the bound on derivative k counts, all by default. Leaving out those that a
+        good motion keeps far from loses nothing: their multipliers are zero.
     """
 
-    def __init__(self, problem: HalfProblem, nodes: FloatArray, parts: int) -> None:
+    def __init__(
+        self,
+        problem: HalfProblem,
+        nodes: FloatArray,
+        parts: int,
+        near: NDArray[np.bool_] | None = None,
+    ) -> None:
         n = problem.order
         self.problem, self.nodes, self.parts = problem, nodes, parts
         fine = np.interp(
@@ -42,10 +52,12 @@ class RelaxedProgram:
         self._areas = self._hats @ areas
         means = self._hats * areas / self._areas[:, None]
         even = self._even()
+        self._near = np.ones((n, len(nodes)), dtype=bool) if near is None else near
         rows = [self._maps[even, -1] * self._scales[even, None]]
         for k in problem.relevant():
-            rows.append(self._maps[k, parts::parts] * self._scales[k])
-            rows.append(means @ hat_rows(self._maps, self._cells, k) * self._scales[k])
+            near_k = self._near[k]
+            rows.append(self._maps[k, parts::parts][near_k[1:]] * self._scales[k])
+            rows.append(means[near_k] @ hat_rows(self._maps, self._cells, k) * self._scales[k])
         self._program = LinearProgram(self._maps[0, -1] * self._scales[0], np.vstack(rows))
 
     def solve(self, half: float) -> Multipliers | None:
@@ -53,7 +65,7 @@ class RelaxedProgram:
         n = self.problem.order
         powers = half ** np.arange(n + 1) / self._units
         lower, upper = self.problem.lower * powers, self.problem.upper * powers
-        of = np.repeat(self.problem.relevant(), 2 * len(self.nodes) - 1).astype(int)
+        of = np.repeat(self.problem.relevant(), self._counts()).astype(int)
         fixed = np.zeros(len(self._even()))
         solution = self._program.solve(
             np.concatenate([fixed, lower[of]]),
@@ -66,18 +78,25 @@ class RelaxedProgram:
         """Return the derivatives that vanish at the end: none where a cruise may begin earlier."""
         return [] if self.problem.cruising else list(range(2, self.problem.order, 2))
 
+    def _counts(self) -> list[int]:
+        """Return how many rows belong to each relevant derivative."""
+        near = self._near[self.problem.relevant()]
+        return [int(count) for count in near[:, 1:].sum(axis=1) + near.sum(axis=1)]
+
     def _multipliers(self, solution: Solution) -> Multipliers:
-        n, count = self.problem.order, len(self.nodes)
+        n = self.problem.order
         bounded, even = self.problem.relevant(), self._even()
         ends = np.zeros(n)
         ends[even] = solution.multipliers[: len(even)]
         atoms, densities = np.zeros((2, n, len(self._cells) + 1))
-        rows = solution.multipliers[len(even) :].reshape(len(bounded), 2 * count - 1)
-        for k, row in zip(bounded, rows, strict=True):
+        rows = np.split(solution.multipliers[len(even) :], np.cumsum(self._counts()[:-1]))
+        for k, row in zip(bounded, rows, strict=False):
             open_up, open_down = np.isinf(self.problem.upper[k]), np.isinf(self.problem.lower[k])
             row = np.clip(row, 0.0 if open_down else None, 0.0 if open_up else None)
-            atoms[k, self.parts :: self.parts] = row[: count - 1]
-            densities[k] = row[count - 1 :] / self._areas @ self._hats
+            near = self._near[k]
+            count = near[1:].sum()
+            atoms[k, self.parts :: self.parts][near[1:]] = row[:count]
+            densities[k] = (row[count:] / self._areas[near]) @ self._hats[near]
         weights = self._units[0] / self._units[:n]
         return Multipliers(
             self._cells, ends * weights, atoms * weights[:, None], densities * weights[:, None]

@@ -208,3 +208,22 @@ def test_a_direction_without_a_bound_has_no_multiplier(parts):
     assert positive[3] == 0.0
     assert np.isfinite(proven(problem, found, 1.0))
     assert proven(problem, found, 1.0) >= 0.5
+
+
+@FEW
+@given(bounds=bound_lists(4, 6), seed=SEEDS, parts=st.integers(1, 3))
+def test_no_multipliers_stand_at_nodes_that_are_left_out(bounds, seed, parts):
+    problem, nodes = problem_of(bounds), grid(seed, 12)
+    near = np.random.default_rng(seed).random((problem.order, len(nodes))) < 0.5
+    found = RelaxedProgram(problem, nodes, parts, near).solve(1.0)
+    every = RelaxedProgram(problem, nodes, parts).solve(1.0)
+    assert found is not None
+    assert every is not None
+    assert not found.atoms[:, ::parts][~near].any()
+    for k in range(problem.order):
+        alone = ~near[k] & ~np.append(near[k, 1:], False) & ~np.append(False, near[k, :-1])
+        assert not found.densities[k, ::parts][alone].any()
+    same = RelaxedProgram(problem, nodes, parts, np.ones_like(near)).solve(1.0)
+    assert same is not None
+    np.testing.assert_array_equal(same.atoms, every.atoms)
+    np.testing.assert_array_equal(same.densities, every.densities)
