@@ -96,7 +96,7 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     Notes
     -----
     Moves of `min_time_move` come to a gap of 1e-5…1e-4, with limits many decades apart to 1e-3, in
-    0.1 to 0.5 s; some take 2 s, and up to 15 s from order 8 on where the gap asked for is out of
+    0.05 to 0.5 s; some take 1.5 s, and up to 15 s from order 8 on where the gap asked for is out of
     reach. Ramps of 1e-2 to 1e-4 of the duration may be too short for the program at orders 6 and
     above: the gap is then about as large as they are. Above order 10 the bounds up to derivative 10
     count. For n ≤ 3 and for perfect splines the gap is that of rounding and of the solver's
