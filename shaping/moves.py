@@ -75,7 +75,7 @@ def min_time_move(
     give the minimum time. For n ≥ 4 with lower bounds active the closed forms can miss it: on the
     22 problems of order 4 to 6 in tests/data/minimum_time.json, whose minimum is known from
     rigorous bounds, by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), "optimal" by at
-    most 0.01 %; `certify` proves how near it is. It takes 20 to 100 ms at orders 4 to 6, half a
+    most 0.01 %; `certify` proves how near it is. It takes 20 to 120 ms at orders 4 to 6, half a
     second at orders 8 to 10 and some seconds with limits many decades apart, a closed form less
     than one millisecond. Closed forms change smoothly with their limits, moves of "optimal" to
     within their gap only.

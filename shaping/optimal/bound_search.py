@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
 from .grids import refined
-from .half_problem import HalfProblem, duration_of
+from .half_problem import HalfProblem, duration_of, paid
 from .multipliers import Multipliers, signed_integrals
 from .relaxation import RelaxedProgram
 
@@ -29,10 +29,18 @@ class BoundSearch:
     leaves out a cruise, the half covers a `distance` above one half.
     """
 
-    def __init__(self, problem: HalfProblem, motion: Trajectory, best: float) -> None:
+    def __init__(
+        self,
+        problem: HalfProblem,
+        motion: Trajectory,
+        best: float,
+        *,
+        distance: float,
+        span: float,
+    ) -> None:
         self.problem, self.motion, self.best = problem, motion, best
+        self.distance, self.span = distance, span
         self.terms = np.zeros(problem.order + 1)
-        self.distance, self.span = 0.5, 0.5 * motion.duration
 
     def run(self, nodes: FloatArray, half: float, target: float) -> None:
         """Solve and refine until `half` is proven to `target`, or no more comes of it."""
@@ -70,7 +78,7 @@ class BoundSearch:
         up, down = signed_integrals(coefficients, multipliers.cells, rounding)
         positive, negative = multipliers.masses()
         worth = np.append(
-            _paid(positive, upper[:-1]) + _paid(negative, -lower[:-1]),
+            paid(positive, lower[:-1], upper[:-1]) + paid(-negative, lower[:-1], upper[:-1]),
             float(up.sum()) * upper[-1] - float(down.sum()) * lower[-1],
         )
         half, terms = self._half(worth, float(multipliers.cells.sum()))
@@ -111,8 +119,3 @@ class BoundSearch:
             lost += np.abs(sizes) * np.maximum(1.0 - share, 0.0) * self.problem.upper[k]
         halves = 0.5 * lost
         return np.asarray(halves[1:] + halves[:-1])
-
-
-def _paid(masses: FloatArray, bounds: FloatArray) -> FloatArray:
-    """Return mass times bound, nothing where there is no mass."""
-    return np.where(masses > 0.0, masses * np.where(masses > 0.0, bounds, 0.0), 0.0)

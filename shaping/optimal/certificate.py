@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 
@@ -12,12 +12,11 @@ from ..derivatives import derivative_name
 from ..limits import Limits
 from ..moves import min_time_move
 from ..pieces import FloatArray
-from ..rise import spline_divisor
 from ..trajectory import Trajectory
 from .bound_search import BoundSearch
 from .grids import graded_grid, with_touches
 from .half_problem import HalfProblem
-from .minimum_time import MAX_OPTIMAL_ORDER, improved, without_cruise
+from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
 from .smoothing import lower_order, relative_width, truncated
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
@@ -162,7 +161,9 @@ def _bounds(
     trajectory: Trajectory, distance: float, limits: Limits, rtol: float
 ) -> tuple[float, FloatArray]:
     """Return the best lower bound found and the terms c_k·L_k·(T/2)^k, index k, that make it."""
-    lower, terms = _single_bounds(distance, limits)
+    alone = spline_durations(distance, limits)  # each bound by itself
+    lower = float(alone.max()) * (1.0 - _ROUNDING)
+    terms = np.eye(limits.order + 1)[alone.argmax()] if lower > 0.0 else 0.0 * alone
     target = rtol if limits.order > 3 else min(rtol, _LOW_ORDER_TARGET)
     order = _two_sided(limits)
     aim = _NEXT_TO_NOTHING * target
@@ -206,27 +207,19 @@ def _programmed(
     ]
     problem = replace(problem.reaching(np.array(reached)), cruising=shorter is not None)
     unit = base.duration * (1.0 - _ROUNDING)
-    search = BoundSearch(problem, motion, lower / unit)
-    if shorter is not None:
-        search.distance, search.span = 0.5 * distance / covered, 0.5 * unit
+    search = BoundSearch(
+        problem,
+        motion,
+        lower / unit,
+        distance=0.5 if shorter is None else 0.5 * distance / covered,
+        span=0.5 * (motion.duration if shorter is None else unit),
+    )
     with np.errstate(all="ignore"):
         nodes = graded_grid(shorter or motion, _CELLS)
         nodes = with_touches(nodes, motion, problem.relevant(), search.span)
         fastest = min(trajectory.duration, motion.duration)
         search.run(nodes, fastest / unit, target)
     return search.best * unit if search.terms.any() else lower, search.terms, fastest
-
-
-def _single_bounds(distance: float, limits: Limits) -> tuple[float, FloatArray]:
-    """Return the longest of the perfect splines of each bound alone."""
-    lower, terms = 0.0, np.zeros(limits.order + 1)
-    for k in range(1, limits.order + 1):
-        low, high = limits.bounds(k)
-        bound = 0.5 * (high - low) if k % 2 == 0 else high if k == 1 else max(-low, high)
-        duration = (distance / bound * spline_divisor(k)) ** (1.0 / k) if isfinite(bound) else 0.0
-        if duration > lower:
-            lower, terms = duration, np.eye(limits.order + 1)[k]
-    return lower * (1.0 - _ROUNDING), terms
 
 
 def _two_sided(limits: Limits) -> int:

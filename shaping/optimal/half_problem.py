@@ -19,7 +19,7 @@ from .linear_program import LinearProgram, Solution
 from .state_maps import bernstein_rows, greville_rows, node_maps
 
 _DIGITS = 13  # kept of a bound, so that a change of units leaves the very same program
-_REDUNDANT = 3.0
+_REDUNDANT = 3.0  # times the peaks: a bound above that is left out
 _NEWTON_STEPS = 30
 _CONVERGED = 1e-13
 _WIDEST = 4.0  # times what changes derivative n − 1 from bound to bound in the shortest cell
@@ -94,8 +94,7 @@ class HalfProblem:
 
         Itself where there are none.
         """
-        powers = half ** np.arange(self.order)
-        reached = np.abs(node_maps(nodes, self.order)[:-1] @ inputs).max(axis=1) / powers
+        reached = np.abs(self._reached(nodes, inputs, half)).max(axis=1)
         least = np.minimum(self.upper, -self.lower)[:-1]
         broken = reached > least
         broken[[0, *self.relevant()]] = False
@@ -106,9 +105,13 @@ class HalfProblem:
     def levels(self, nodes: FloatArray, inputs: FloatArray, half: float) -> FloatArray:
         """Return the relevant derivatives over their bounds at the nodes of a half duration."""
         bounded = self.relevant()
-        bounds = np.minimum(self.upper, -self.lower)[bounded] * half ** np.array(bounded)
-        reached = [row @ inputs for row in node_maps(nodes, self.order)[bounded]]
-        return np.array(reached).reshape(len(bounded), len(nodes)) / bounds[:, None]
+        least = np.minimum(self.upper, -self.lower)[bounded]
+        return self._reached(nodes, inputs, half)[bounded] / least[:, None]
+
+    def _reached(self, nodes: FloatArray, inputs: FloatArray, half: float) -> FloatArray:
+        """Return the derivatives below n at the nodes, (n, N + 1)."""
+        powers = half ** np.arange(self.order)
+        return np.asarray(node_maps(nodes, self.order)[:-1] @ inputs / powers[:, None])
 
     def units(self, shortest: float) -> FloatArray:
         """Return the size of each derivative where the shortest cell is as long as this.
@@ -210,13 +213,13 @@ class HalfProgram:
     ) -> FloatArray:
         """Return what the bounds of each derivative contribute to the distance."""
         free = self._free
-        shares = _paid(solution.multipliers[:free], lower[:free], upper[:free])
+        shares = paid(solution.multipliers[:free], lower[:free], upper[:free])
         worth = np.bincount(self._derivative[:free], shares, self.problem.order + 1).astype(float)
-        worth[-1] = _paid(solution.reduced_costs, *inputs).sum()
+        worth[-1] = paid(solution.reduced_costs, *inputs).sum()
         return np.asarray(worth * self._units[0])
 
 
-def _paid(
+def paid(
     multipliers: FloatArray, lower: FloatArray | float, upper: FloatArray | float
 ) -> FloatArray:
     """Return each multiplier times the bound that it belongs to, which may have no other side."""

@@ -83,7 +83,7 @@ def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
 
     None where the linear program could not be used.
     """
-    if limits.order <= 3 or is_single_spline(closed, limits):
+    if limits.order <= 3 or _is_single_spline(closed, limits):
         return closed
     if limits.order > MAX_OPTIMAL_ORDER:
         return None
@@ -94,17 +94,25 @@ def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
     return closed
 
 
-def is_single_spline(closed: Trajectory, limits: Limits) -> bool:
-    """Tell whether one bound alone already takes this long: then the closed form is optimal."""
-    distance, duration = float(closed.end_state[0]), closed.duration
+def spline_durations(distance: float, limits: Limits) -> FloatArray:
+    """Return how long a move takes at least by the bound on each derivative alone, index k.
+
+    The perfect spline's duration, zero where there is no bound. Of even derivatives the mean of
+    both directions counts, which any move made odd about its middle keeps.
+    """
+    durations = np.zeros(limits.order + 1)
     for k in range(1, limits.order + 1):
         low, high = limits.bounds(k)
-        bound = high if k == 1 else max(-low, high)
+        bound = 0.5 * (high - low) if k % 2 == 0 else high if k == 1 else max(-low, high)
         if np.isfinite(bound):
-            least = (distance / bound * spline_divisor(k)) ** (1.0 / k)
-            if duration <= least * (1.0 + _KEPT):
-                return True
-    return False
+            durations[k] = (distance / bound * spline_divisor(k)) ** (1.0 / k)
+    return durations
+
+
+def _is_single_spline(closed: Trajectory, limits: Limits) -> bool:
+    """Tell whether one bound alone already takes this long: then the closed form is optimal."""
+    least = spline_durations(float(closed.end_state[0]), limits).max()
+    return bool(closed.duration <= least * (1.0 + _KEPT))
 
 
 def _averaged(closed: Trajectory, limits: Limits, most: float) -> Trajectory | None:

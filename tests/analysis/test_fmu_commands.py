@@ -4,13 +4,14 @@ import csv
 import subprocess
 import sys
 import zipfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fmus import fmu_of, needs_compiler
 
-from jounce.analysis import command_line, load_scenario
+from jounce.analysis import load_scenario
 from jounce.analysis.scenario_blocks import servo_loop_of, trajectory_of
 from jounce.plant import Inertia
 from jounce.plant.fmu import CompilerError
@@ -45,18 +46,9 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 
 @pytest.fixture
-def run(monkeypatch, capsys):
-    """Run main() in this process; give status, what it printed, and its lines of errors."""
-
-    def call(*arguments: object) -> tuple[int, str, list[str]]:
-        monkeypatch.setattr(sys, "argv", ["jounce", "fmu", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            command_line.main()
-        out, err = capsys.readouterr()
-        assert "Traceback" not in out + err
-        return int(end.value.code or 0), out, err.splitlines()
-
-    return call
+def run(run):
+    """Run a command of `jounce fmu`."""
+    return partial(run, "fmu")
 
 
 @pytest.fixture
