@@ -48,6 +48,8 @@ class BoundSearch:
         at, reached, idle = 1.0 if self.problem.cruising else half, 0.0, 0
         for trial in range(_ROUNDS):
             multipliers = RelaxedProgram(self.problem, nodes, parts, self._near(nodes)).solve(at)
+            if multipliers is None:  # which may take another way with more rows
+                multipliers = RelaxedProgram(self.problem, nodes, parts).solve(at)
             if multipliers is None:
                 return
             found, waste, slack = self._take(multipliers, parts)
