@@ -1,0 +1,207 @@
+/* Starts beyond their bounds, or bound to leave them, are brought inside first.
+ *
+ * The policy, in this order:
+ *
+ * 1. An acceleration beyond its bound goes to the bound as fast as the jerk allows.
+ * 2. One that is about to carry the velocity out, or further out, goes to zero likewise.
+ * 3. A velocity beyond its bound goes to the bound in the least time that arrives there with zero
+ *    acceleration, so that the motion can cruise at the bound and never swings past it: braking on
+ *    at full deceleration would cross the bound sooner, but turn an axis round that should only
+ *    slow down. Where the acceleration leads further than the bound whatever is done, it goes to
+ *    the velocity that it leads to.
+ * 4. Where the end is too near for that, brake harder: on to the highest velocity from which the
+ *    end is met without passing it, if need be beyond standstill, down to the other bound.
+ *
+ * What remains is an ordinary problem from a state of zero acceleration inside the bounds.
+ */
+#include "task.h"
+
+enum { MOST_HALVINGS = 200 };
+
+double jounce_inside(double value, double low, double high) {
+    if (high < value && value <= high + ROUNDING * magnitude(high)) {
+        return high;
+    }
+    if (low > value && value >= low - ROUNDING * magnitude(low)) {
+        return low;
+    }
+    return value;
+}
+
+/* Go to acceleration `end` as fast as the jerk allows. */
+static void turn_acceleration(jounce_task *t, double end, double *x, jounce_motion *motion) {
+    double jerk = end > t->a0 ? t->rise : -t->fall, v = t->v0, step;
+    if (end == t->a0) {
+        return;
+    }
+    jounce_add(motion, (end - t->a0) / jerk, *x, v, t->a0, jerk);
+    step = ramp(&v, t->a0, end, jerk);
+    *x += step;
+    t->distance -= step;
+    t->v0 = v;
+    t->a0 = end;
+}
+
+static jounce_change change_to(const jounce_task *t, double velocity) {
+    jounce_task to = *t;
+    to.v1 = velocity;
+    to.a1 = 0.0;
+    return jounce_change_velocity(&to);
+}
+
+/* How much further than the end a motion goes that levels off at a velocity and then changes to
+ * the end's. */
+static double excess(const jounce_task *t, double velocity) {
+    jounce_task from = *t;
+    from.v0 = velocity;
+    from.a0 = 0.0;
+    return change_to(t, velocity).distance + jounce_change_velocity(&from).distance - t->distance;
+}
+
+/* The velocity at which to level off, at most `top`. */
+static double level(const jounce_task *t, double top) {
+    double settling = t->v1, low = t->v_min, high = top;
+    double slack = t->resolution + 64.0 * ROUNDING * (magnitude(t->distance) + magnitude(t->v0));
+    int i;
+    if (excess(t, top) <= slack) {
+        return top;
+    }
+    if (t->a1 != 0.0 && is_finite(t->rise)) { /* before the acceleration of the end builds up */
+        settling -= 0.5 * t->a1 * t->a1 / (t->a1 > 0.0 ? t->rise : -t->fall);
+    }
+    settling = clamp(settling, low, top);
+    if (excess(t, settling) <= 0.0) {
+        low = settling;
+    } else {
+        high = settling;
+        if (!is_finite(low)) {
+            double step = larger(1.0, magnitude(high));
+            for (i = 0, low = high - step; i < 1000 && excess(t, low) > 0.0; i++) {
+                step *= 2.0;
+                low = high - step;
+            }
+        }
+        if (excess(t, low) > 0.0) {
+            return low;
+        }
+    }
+    for (i = 0; i < MOST_HALVINGS; i++) {
+        double middle = 0.5 * (low + high);
+        if (!(low < middle && middle < high)) {
+            break;
+        }
+        if (excess(t, middle) <= 0.0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* From above v_max. */
+static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
+    double top = t->v_max, velocity;
+    jounce_change change;
+    jounce_task to;
+    if (is_finite(t->rise) && t->a0 < 0.0) {
+        top = smaller(top, larger(t->v0 - 0.5 * t->a0 * t->a0 / t->rise, t->v_min));
+    }
+    velocity = level(t, top);
+    to = *t;
+    to.v1 = velocity;
+    to.a1 = 0.0;
+    change = jounce_change_velocity(&to);
+    jounce_change_pieces(&to, &change, *x, motion);
+    *x += change.distance;
+    t->distance -= change.distance;
+    t->v0 = velocity;
+    t->a0 = 0.0;
+}
+
+static int rises_over(const jounce_task *t, double v, double a, double slack) {
+    return is_finite(t->fall) && a > 0.0 && v + 0.5 * a * a / t->fall > t->v_max + slack;
+}
+
+double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion *motion) {
+    t->v0 = jounce_inside(t->v0, t->v_min, t->v_max);
+    t->a0 = jounce_inside(t->a0, t->a_min, t->a_max);
+    if (is_finite(t->rise)) {
+        turn_acceleration(t, clamp(t->a0, t->a_min, t->a_max), &x, motion);
+    }
+    return x;
+}
+
+double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
+    jounce_task other;
+    double slack;
+    x = jounce_bring_acceleration_inside(t, x, motion);
+    if (is_finite(t->rise)) {
+        slack = ROUNDING *
+                (magnitude(t->v0) + 0.5 * t->a0 * t->a0 / smaller(t->rise, t->fall));
+        other = jounce_mirrored(t);
+        if (rises_over(t, t->v0, t->a0, slack) ||
+            rises_over(&other, other.v0, other.a0, slack)) {
+            turn_acceleration(t, 0.0, &x, motion);
+        }
+    }
+    t->v0 = jounce_inside(t->v0, t->v_min, t->v_max);
+    if (t->v0 > t->v_max) {
+        slow_down(t, &x, motion);
+    } else if (t->v0 < t->v_min) {
+        int first = motion->count;
+        double turned = -x;
+        other = jounce_mirrored(t);
+        slow_down(&other, &turned, motion);
+        jounce_turn(motion, first);
+        *t = jounce_mirrored(&other);
+        x = -turned;
+    }
+    return x;
+}
+
+/* Whether a velocity and an acceleration keep their bounds, but for a relative slack. */
+static int keeps(const jounce_task *t, double v, double a, double slack) {
+    double more = 1.0 + slack;
+    return t->v_min * more <= v && v <= t->v_max * more && t->a_min * more <= a &&
+           a <= t->a_max * more;
+}
+
+/* The last time in a piece, in which v is monotone, at which a bound is not kept; 0 for none. */
+static double last_outside(const jounce_task *t, const jounce_piece *piece) {
+    double h = piece->duration, low = 0.0, high = h;
+    double v = piece->v + (piece->a + 0.5 * piece->j * h) * h, a = piece->a + piece->j * h;
+    int i;
+    if (!keeps(t, v, a, ROUNDING)) {
+        return h;
+    }
+    if (keeps(t, piece->v, piece->a, ROUNDING)) {
+        return 0.0;
+    }
+    for (i = 0; i < MOST_HALVINGS; i++) {
+        double middle = 0.5 * (low + high);
+        if (!(low < middle && middle < high)) {
+            break;
+        }
+        if (keeps(t, piece->v + (piece->a + 0.5 * piece->j * middle) * middle,
+                  piece->a + piece->j * middle, 0.0)) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return high;
+}
+
+double jounce_time_inside(const jounce_task *t, const jounce_motion *motion) {
+    double end = motion->duration;
+    int i;
+    for (i = motion->count - 1; i >= 0; i--) {
+        double outside = last_outside(t, &motion->pieces[i]);
+        if (outside > 0.0) {
+            return end - (motion->pieces[i].duration - outside);
+        }
+        end -= motion->pieces[i].duration;
+    }
+    return 0.0;
+}

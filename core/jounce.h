@@ -1,0 +1,106 @@
+/* jounce.h: motion with bounded derivatives, in C99.
+ *
+ * The caller owns all memory; nothing here allocates, prints, keeps a global or calls libm.
+ * Functions return a status; what they compute comes out last. Units are the caller's, any
+ * consistent ones of time and distance: problems are scaled by powers of two before they are
+ * solved, so that results do not depend on the units.
+ *
+ * Compile with -ffp-contract=off: the same bits then come out of every platform.
+ */
+#ifndef JOUNCE_H
+#define JOUNCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum {
+    JOUNCE_OK = 0,
+    JOUNCE_UNREACHABLE, /* no motion within the bounds leads to the end */
+    JOUNCE_NO_DURATION, /* no motion within the bounds takes this long */
+    JOUNCE_RANGE        /* times or states leave the range of a double */
+} jounce_status;
+
+/* Bounds low < 0 < high on velocity, acceleration and jerk. Infinity is no bound; without bounds
+ * of the jerk the acceleration may jump ("order 2"), and must be bounded on both sides. A jerk
+ * that is bounded is so on both sides. */
+typedef struct {
+    double v_low, v_high;
+    double a_low, a_high;
+    double j_low, j_high;
+} jounce_limits;
+
+typedef struct {
+    double x, v, a;
+} jounce_state;
+
+/* From (x, v, a) with constant jerk j, or with constant acceleration where j is 0. */
+typedef struct {
+    double duration;
+    double x, v, a, j;
+} jounce_piece;
+
+enum { JOUNCE_MOST_PIECES = 24 };
+
+/* A motion from time 0 on. Pieces have positive durations and follow one another. */
+typedef struct {
+    int count;
+    double duration;     /* the sum of the durations */
+    double inside_after; /* the time after which every bound holds for good */
+    jounce_state end;
+    jounce_piece pieces[JOUNCE_MOST_PIECES];
+} jounce_motion;
+
+/* --- transfers: from any state of motion to any other (transfer.c) -------------------------- */
+
+/* The fastest motion from start to end.
+ *
+ * A start beyond its bounds, or bound to leave them, is brought inside first (inside.c says how).
+ * The end must be inside its bounds. `motion` is complete only where JOUNCE_OK is returned. */
+jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end,
+                              const jounce_limits *limits, jounce_motion *motion);
+
+/* The fastest change to velocity end->v and acceleration end->a, wherever that ends. */
+jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_state *end,
+                                       const jounce_limits *limits, jounce_motion *motion);
+
+/* The durations that a transfer can take, as increasing intervals; the last `high` may be
+ * infinite. */
+typedef struct {
+    double low, high;
+} jounce_interval;
+
+enum { JOUNCE_MOST_INTERVALS = 16 };
+
+typedef struct {
+    int count;
+    jounce_interval intervals[JOUNCE_MOST_INTERVALS];
+} jounce_durations;
+
+jounce_status jounce_possible_durations(const jounce_state *start, const jounce_state *end,
+                                        const jounce_limits *limits,
+                                        jounce_durations *durations);
+
+/* A transfer of a given duration: to one velocity, along at it, and to the end's, if possible. */
+jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_state *end,
+                                      const jounce_limits *limits, double duration,
+                                      jounce_motion *motion);
+
+/* --- followers (follower.c) ------------------------------------------------------------------ */
+
+typedef struct {
+    jounce_limits limits;
+    double dt;     /* length of a sample */
+    double period; /* of an axis that wraps around; infinite for one that does not */
+} jounce_follower;
+
+/* The motion during the sample that begins at `state`: its pieces, at most `dt` long, and its
+ * end. */
+jounce_status jounce_follow(const jounce_follower *follower, const jounce_state *state,
+                            double command, double command_velocity, jounce_motion *motion);
+
+/* --- evaluation of pieces of any order (pieces.c) --------------------------------------------- */
+
+/* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */
+double jounce_taylor(const double *state, int order, int k, double t);
+
+#endif

@@ -1,0 +1,141 @@
+/* Numbers: what C99 leaves to libm, and constants of rounding; the same bits everywhere. */
+#ifndef JOUNCE_NUMERIC_H
+#define JOUNCE_NUMERIC_H
+
+#include <stdint.h>
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(_MSC_VER)
+#pragma fp_contract(off)
+#endif
+
+#define EPSILON 2.220446049250313e-16 /* 2^-52 */
+#define ROUNDING 3.552713678800501e-15 /* relative size below which a difference is rounding */
+#define INFINITE ((double)1e300 * (double)1e300)
+
+typedef union {
+    double number;
+    uint64_t bits;
+} jounce_bits;
+
+static inline double magnitude(double x) { return x < 0.0 ? -x : x; }
+
+static inline double smaller(double a, double b) { return b < a ? b : a; }
+
+static inline double larger(double a, double b) { return b > a ? b : a; }
+
+static inline double clamp(double x, double low, double high) {
+    return smaller(larger(x, low), high);
+}
+
+static inline int is_finite(double x) { return x - x == 0.0; }
+
+/* 2^exponent, rounded to zero below and to infinity above the range of a double. */
+static inline double power_of_two(int exponent) {
+    jounce_bits result;
+    if (exponent < -1074) {
+        return 0.0;
+    }
+    if (exponent > 1023) {
+        return INFINITE;
+    }
+    result.bits = exponent < -1022 ? (uint64_t)1 << (exponent + 1074)
+                                   : (uint64_t)(exponent + 1023) << 52;
+    return result.number;
+}
+
+/* The exponent e of a finite x with 2^(e-1) <= |x| < 2^e; -1100 for zero. */
+static inline int exponent_of(double x) {
+    jounce_bits value;
+    int scaled = 0;
+    value.number = magnitude(x);
+    if (value.bits == 0) {
+        return -1100;
+    }
+    if (value.bits < (uint64_t)1 << 52) { /* subnormal */
+        value.number *= 18014398509481984.0;
+        scaled = 54;
+    }
+    return (int)(value.bits >> 52) - 1022 - scaled;
+}
+
+/* x * 2^exponent, rounded once. */
+static inline double scaled(double x, int exponent) {
+    int own;
+    if (exponent >= -1022 && exponent <= 1023) {
+        return x * power_of_two(exponent);
+    }
+    if (x == 0.0 || !is_finite(x)) {
+        return x;
+    }
+    own = exponent_of(x);
+    x *= power_of_two(-own / 2);
+    x *= power_of_two(-own - -own / 2); /* 0.5 <= |x| < 1 */
+    exponent = exponent + own < -1080 ? -1080 : exponent + own;
+    if (exponent > 1024) {
+        return x > 0.0 ? INFINITE : -INFINITE;
+    }
+    return x * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2);
+}
+
+/* Correctly rounded: by the processor where it has an instruction, else digit by digit. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(JOUNCE_BY_DIGITS)
+static inline double square_root(double x) {
+    double root;
+    __asm__("sqrtsd %1, %0" : "=x"(root) : "x"(x));
+    return root;
+}
+#elif defined(__GNUC__) && defined(__aarch64__) && !defined(JOUNCE_BY_DIGITS)
+static inline double square_root(double x) {
+    double root;
+    __asm__("fsqrt %d0, %d1" : "=w"(root) : "w"(x));
+    return root;
+}
+#else
+static inline double square_root(double x) {
+    jounce_bits value;
+    uint64_t whole, root = 0, rest = 0;
+    int exponent, i;
+    if (!(x > 0.0) || !is_finite(x)) {
+        return x < 0.0 ? (x - x) / (x - x) : x;
+    }
+    value.number = x < 1e-290 ? x * 18014398509481984.0 : x; /* 2^54: no longer subnormal */
+    exponent = (int)(value.bits >> 52) - 1075 - (x < 1e-290 ? 54 : 0);
+    whole = (value.bits & 0xfffffffffffffu) | 0x10000000000000u;
+    if (exponent % 2 != 0) {
+        whole <<= 1;
+        exponent -= 1;
+    }
+    for (i = 0; i < 54; i++) { /* of whole * 2^54, two binary digits at a time */
+        uint64_t next = (root << 2) | 1;
+        rest = (rest << 2) | (i < 27 ? (whole >> (52 - 2 * i)) & 3 : 0);
+        root <<= 1;
+        if (rest >= next) {
+            rest -= next;
+            root |= 1;
+        }
+    }
+    return (double)((root >> 1) + (root & 1)) * power_of_two(exponent / 2 - 26);
+}
+#endif
+
+/* The cube root, to about an ulp. */
+static inline double cube_root(double x) {
+    int exponent, third, i;
+    double y, size = magnitude(x);
+    if (size == 0.0 || !is_finite(size)) {
+        return x;
+    }
+    exponent = exponent_of(size);
+    third = exponent >= 0 ? (exponent + 2) / 3 : -(-exponent / 3);
+    size = scaled(size, -3 * third); /* 1/16 <= size < 1 */
+    y = 0.5 + 0.5 * size;
+    for (i = 0; i < 7; i++) { /* Newton */
+        y -= (y - size / (y * y)) / 3.0;
+    }
+    y = scaled(y, third);
+    return x < 0.0 ? -y : y;
+}
+
+#endif

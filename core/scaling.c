@@ -1,0 +1,115 @@
+/* The units of a problem: powers of two in which its times are of order one, found from exponents
+ * alone, so that problems that differ by powers of two become one and the same.
+ *
+ * The unit of time is about the longest of the times that distance, speeds and accelerations take
+ * alone within each bound; that of distance the largest of what the state is worth in that time.
+ * In these units a motion takes a few units of time. A bound far above all that such a motion can
+ * reach never binds and is taken for none; one far above what matters (a ramp of 2^-60 of the
+ * motion) makes the next lower derivative jump.
+ */
+#include "task.h"
+
+enum { NOTHING = -100000 };
+
+#define FAR 1048576.0       /* 2^20: beyond all that is reached in a few units of time */
+#define AT_ONCE 1.152921504606847e18 /* 2^60 */
+#define STEEPEST_ACCELERATION 1.3292279957849159e36 /* 2^120 */
+#define STEEPEST_JERK 1.6069380442589903e60 /* 2^200 */
+
+static int most(int a, int b) { return a > b ? a : b; }
+
+/* ceil(a / b) for b > 0 */
+static int over(int a, int b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
+
+/* Exponent of the time that a quantity takes under a bound on its derivative n; both may be
+ * absent. */
+static int time_under(int quantity, double bound, int n) {
+    if (quantity == NOTHING || !is_finite(bound) || bound == 0.0) {
+        return NOTHING;
+    }
+    return over(quantity - exponent_of(bound), n);
+}
+
+static int exponent_or_nothing(double x) { return x == 0.0 ? NOTHING : exponent_of(x); }
+
+static double in_units(double x, int exponent) { return is_finite(x) ? scaled(x, exponent) : x; }
+
+static double none_if_far(double bound, double far) {
+    return magnitude(bound) > far ? (bound > 0.0 ? INFINITE : -INFINITE) : bound;
+}
+
+static jounce_units own_units(const jounce_task *t) {
+    double jerk = smaller(t->rise, t->fall), power = smaller(t->a_max, -t->a_min);
+    double speed = larger(t->v_max, -t->v_min);
+    int d = exponent_or_nothing(t->distance);
+    int v = exponent_or_nothing(larger(magnitude(t->v0), magnitude(t->v1)));
+    int a = exponent_or_nothing(larger(magnitude(t->a0), magnitude(t->a1)));
+    jounce_units units;
+    int time = time_under(a, jerk, 1);
+    time = most(time, most(time_under(v, jerk, 2), time_under(v, power, 1)));
+    time = most(time, most(time_under(d, jerk, 3), time_under(d, power, 2)));
+    time = most(time, time_under(d, speed, 1));
+    if (time == NOTHING) {
+        time = 0;
+    }
+    units.time = time;
+    units.length = d;
+    if (v != NOTHING) {
+        units.length = most(units.length, v + time);
+    }
+    if (a != NOTHING) {
+        units.length = most(units.length, a + 2 * time);
+    }
+    if (units.length == NOTHING) {
+        units.length = 0;
+    }
+    return units;
+}
+
+static void drop_far_bounds(jounce_task *t) {
+    double steepest = larger(t->rise, t->fall), far;
+    t->v_min = none_if_far(t->v_min, FAR);
+    t->v_max = none_if_far(t->v_max, FAR);
+    if (is_finite(steepest)) {
+        double power = larger(t->a_max, -t->a_min);
+        far = FAR * (1.0 + square_root(smaller(steepest, STEEPEST_JERK)));
+        if (power < far && smaller(t->rise, t->fall) > AT_ONCE * power) {
+            t->rise = t->fall = INFINITE;
+            t->a0 = t->a1 = 0.0;
+        } else {
+            t->a_min = none_if_far(t->a_min, far);
+            t->a_max = none_if_far(t->a_max, far);
+            t->rise = smaller(t->rise, STEEPEST_JERK);
+            t->fall = smaller(t->fall, STEEPEST_JERK);
+        }
+    }
+    if (!is_finite(t->rise)) {
+        t->a_min = larger(t->a_min, -STEEPEST_ACCELERATION);
+        t->a_max = smaller(t->a_max, STEEPEST_ACCELERATION);
+    }
+}
+
+jounce_units jounce_to_own_units(jounce_task *task) {
+    jounce_units units = own_units(task);
+    int v = units.time - units.length, a = v + units.time, j = a + units.time;
+    task->distance = in_units(task->distance, -units.length);
+    task->resolution = in_units(task->resolution, -units.length);
+    task->v0 = in_units(task->v0, v);
+    task->v1 = in_units(task->v1, v);
+    task->v_min = in_units(task->v_min, v);
+    task->v_max = in_units(task->v_max, v);
+    task->a0 = in_units(task->a0, a);
+    task->a1 = in_units(task->a1, a);
+    task->a_min = in_units(task->a_min, a);
+    task->a_max = in_units(task->a_max, a);
+    task->rise = in_units(task->rise, j);
+    task->fall = in_units(task->fall, j);
+    drop_far_bounds(task);
+    return units;
+}
+
+jounce_task jounce_mirrored(const jounce_task *t) {
+    jounce_task other = {-t->distance, -t->v0,    -t->a0,    -t->v1,  -t->a1,  -t->v_max,
+                         -t->v_min,    -t->a_max, -t->a_min, t->rise, t->fall, t->resolution};
+    return other;
+}

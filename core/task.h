@@ -1,0 +1,122 @@
+/* What the parts of the planner share: a problem in its own units, and pieces as they are found. */
+#ifndef JOUNCE_TASK_H
+#define JOUNCE_TASK_H
+
+#include "jounce.h"
+#include "numeric.h"
+
+/* From velocity v0 and acceleration a0 to v1 and a1 over a signed distance, within bounds.
+ *
+ * `rise` and `fall` are the largest rates of rising and falling acceleration, both positive; with
+ * infinite ones the acceleration may jump, a0 = a1 = 0, and both of its bounds are finite. */
+typedef struct {
+    double distance;
+    double v0, a0, v1, a1;
+    double v_min, v_max, a_min, a_max;
+    double fall, rise;
+    double resolution; /* what rounding of the two positions leaves of the distance */
+} jounce_task;
+
+/* The same problem seen in the opposite direction. */
+jounce_task jounce_mirrored(const jounce_task *task);
+
+/* Powers of two: a unit of time 2^time and one of distance 2^length. */
+typedef struct {
+    int time, length;
+} jounce_units;
+
+/* Bring a task into its own units, in which its times are of order one (scaling.c). */
+jounce_units jounce_to_own_units(jounce_task *task);
+
+/* --- pieces (pieces.c) ------------------------------------------------------------------------ */
+
+/* Append a piece, where it takes any time. */
+void jounce_add(jounce_motion *motion, double duration, double x, double v, double a, double j);
+
+/* Turn the pieces from `first` on into those of the opposite direction. */
+void jounce_turn(jounce_motion *motion, int first);
+
+/* Distance and change of velocity while the acceleration goes from a to end with jerk j. */
+static inline double ramp(double *v, double a, double end, double j) {
+    double t = (end - a) / j;
+    double distance = (*v + (2.0 * a + end) / 6.0 * t) * t;
+    *v += 0.5 * (a + end) * t;
+    return distance;
+}
+
+/* --- changes of velocity (velocity_change.c) -------------------------------------------------- */
+
+/* Acceleration a0 -> peak, hold, peak -> a1; without bounds of the jerk only the hold. */
+typedef struct {
+    double duration, distance;
+    double peak, hold;
+    double jerk, back; /* of the way to the peak, and from it */
+} jounce_change;
+
+/* The fastest change from (v0, a0) to (v1, a1); the task's distance plays no part. */
+jounce_change jounce_change_velocity(const jounce_task *task);
+
+/* Whether the velocity passes its bound where the acceleration crosses zero on the way back. */
+int jounce_change_leaves_bounds(const jounce_task *task, const jounce_change *change);
+
+void jounce_change_pieces(const jounce_task *task, const jounce_change *change, double x,
+                          jounce_motion *motion);
+
+/* --- starts outside (inside.c) ---------------------------------------------------------------- */
+
+/* Bring the task's start to where its bounds can be kept for good; add the pieces of the way from
+ * position x, and return the position reached. */
+double jounce_bring_inside(jounce_task *task, double x, jounce_motion *motion);
+
+/* Bring the start's acceleration alone inside its bounds. */
+double jounce_bring_acceleration_inside(jounce_task *task, double x, jounce_motion *motion);
+
+/* The time in a motion after which v and a keep their bounds for good. */
+double jounce_time_inside(const jounce_task *task, const jounce_motion *motion);
+
+/* Cut off an excess over the bounds that is mere rounding. */
+double jounce_inside(double value, double low, double high);
+
+/* --- the profiles that go furthest in their time ----------------------------------------------- */
+
+/* With bounded jerk: acceleration rises to p, holds, falls to q (cruising where it is zero),
+ * dwells, rises. With bounded acceleration: velocity rises by p, cruises, falls. */
+typedef struct {
+    double duration, p, hold, cruise, q, dwell;
+} jounce_profile;
+
+enum { JOUNCE_MOST_PROFILES = 40 };
+
+typedef struct {
+    int count;
+    jounce_profile profiles[JOUNCE_MOST_PROFILES];
+} jounce_profiles;
+
+/* What depends on the task alone. */
+typedef struct {
+    jounce_task task;
+    double blur;              /* an error of the distance that is mere rounding */
+    double kappa, noise;      /* the rest is the jerk's */
+    double c, ratio;          /* of what the end velocity asks */
+    double v_in, v_out;       /* velocities at which the outer rises cross zero acceleration */
+    double p_cruise, q_cruise; /* accelerations from and to which the profile cruises */
+    int may_dip, may_rise;
+} jounce_family;
+
+void jounce_jerk_family(const jounce_task *task, jounce_family *family);
+void jounce_jerk_solutions(const jounce_family *family, jounce_profiles *found);
+int jounce_jerk_lasting(const jounce_family *family, double duration, jounce_profile *profile);
+int jounce_jerk_edges(const jounce_family *family, double *durations);
+double jounce_jerk_distance(const jounce_family *family, const jounce_profile *profile);
+void jounce_jerk_pieces(const jounce_family *family, const jounce_profile *profile, double start,
+                        double end, jounce_motion *motion);
+
+void jounce_speed_family(const jounce_task *task, jounce_family *family);
+void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found);
+int jounce_speed_lasting(const jounce_family *family, double duration, jounce_profile *profile);
+int jounce_speed_edges(const jounce_family *family, double *durations);
+double jounce_speed_distance(const jounce_family *family, const jounce_profile *profile);
+void jounce_speed_pieces(const jounce_family *family, const jounce_profile *profile, double start,
+                         double end, jounce_motion *motion);
+
+#endif
