@@ -433,8 +433,65 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
+/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance. */
+static int by_cruising(const jounce_family *f, jounce_profile *profile) {
+    double v_max = f->task.v_max, rest, slack;
+    if (!cruising(f, profile)) {
+        return 0;
+    }
+    rest = f->task.distance - travel(f, profile).distance;
+    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + f->blur;
+    if (v_max <= 0.0) {
+        return magnitude(rest) <= slack;
+    }
+    profile->cruise = larger(rest, 0.0) / v_max;
+    profile->duration += profile->cruise;
+    return rest >= -slack;
+}
+
+/* Sort arcs by the durations with which they begin. */
+static void sort_arcs(const jounce_family *f, Arcs *arcs, double *durations) {
+    int i, k;
+    for (i = 0; i < arcs->count; i++) {
+        Arc arc = arcs->arcs[i];
+        double duration = member(f, arc.kind, arc.first).duration;
+        for (k = i; k > 0 && durations[k - 1] > duration; k--) {
+            durations[k] = durations[k - 1];
+            arcs->arcs[k] = arcs->arcs[k - 1];
+        }
+        durations[k] = duration;
+        arcs->arcs[k] = arc;
+    }
+}
+
+/* The durations grow along an arc, so that once a profile is found no arc that begins later holds
+ * a shorter one. */
+int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
+    double durations[MOST_ARCS];
+    jounce_profiles found;
+    jounce_profile profile;
+    Arcs arcs;
+    int i, k, any = 0;
+    find_arcs(f, &arcs);
+    sort_arcs(f, &arcs, durations);
+    for (i = 0; i < arcs.count && !(any && durations[i] >= best->duration); i++) {
+        found.count = 0;
+        on_arc(f, &arcs.arcs[i], &found);
+        for (k = 0; k < found.count; k++) {
+            if (!any || found.profiles[k].duration < best->duration) {
+                *best = found.profiles[k];
+                any = 1;
+            }
+        }
+    }
+    if (by_cruising(f, &profile) && (!any || profile.duration < best->duration)) {
+        *best = profile;
+        any = 1;
+    }
+    return any;
+}
+
 void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
-    double v_max = f->task.v_max;
     jounce_profile profile;
     Arcs arcs;
     int i;
@@ -443,16 +500,8 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     for (i = 0; i < arcs.count; i++) {
         on_arc(f, &arcs.arcs[i], found);
     }
-    if (cruising(f, &profile)) {
-        double rest = f->task.distance - travel(f, &profile).distance;
-        double slack = 4.0 * ROUNDING * magnitude(v_max) * profile.duration + f->blur;
-        if (v_max > 0.0 && rest >= -slack) {
-            profile.cruise = larger(rest, 0.0) / v_max;
-            profile.duration += profile.cruise;
-            keep(&profile, found);
-        } else if (v_max <= 0.0 && magnitude(rest) <= slack) {
-            keep(&profile, found);
-        }
+    if (by_cruising(f, &profile)) {
+        keep(&profile, found);
     }
 }
 

@@ -85,6 +85,27 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
                                       const jounce_limits *limits, double duration,
                                       jounce_motion *motion);
 
+/* --- several axes (synchronize.c) --------------------------------------------------------------- */
+
+/* The shortest duration that lies in an interval of every axis; infinite where there is none. */
+double jounce_common_duration(const jounce_durations *possible, int axes);
+
+/* All axes take the shortest duration that every one of them can take. `possible` (one an axis)
+ * receives the durations, `motions` (one an axis) the plans, `failed` the axis that an error is
+ * about, -1 where it is about all of them together. */
+jounce_status jounce_synchronize(const jounce_state *starts, const jounce_state *ends,
+                                 const jounce_limits *limits, int axes,
+                                 jounce_durations *possible, jounce_motion *motions,
+                                 int *failed);
+
+/* --- moves: from rest to rest, starting at position 0 (move.c) --------------------------------- */
+
+/* Here the acceleration may be unbounded as well, where velocity is bounded: it then jumps. */
+jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion);
+
+/* Its duration alone, which costs less; NaN where there is no such move. */
+double jounce_move_duration(double distance, const jounce_limits *limits);
+
 /* --- followers (follower.c) ------------------------------------------------------------------ */
 
 typedef struct {

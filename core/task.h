@@ -62,6 +62,10 @@ int jounce_change_leaves_bounds(const jounce_task *task, const jounce_change *ch
 void jounce_change_pieces(const jounce_task *task, const jounce_change *change, double x,
                           jounce_motion *motion);
 
+/* A transfer whose positions are known only to what they are worth in 2^-52 of `size` (transfer.c). */
+jounce_status jounce_approach(const jounce_state *start, const jounce_state *end,
+                              const jounce_limits *limits, double size, jounce_motion *motion);
+
 /* --- starts outside (inside.c) ---------------------------------------------------------------- */
 
 /* Bring the task's start to where its bounds can be kept for good; add the pieces of the way from
@@ -105,6 +109,9 @@ typedef struct {
 
 void jounce_jerk_family(const jounce_task *task, jounce_family *family);
 void jounce_jerk_solutions(const jounce_family *family, jounce_profiles *found);
+/* The shortest profile that covers the task's distance; 0 where there is none. */
+int jounce_jerk_shortest(const jounce_family *family, jounce_profile *best);
+
 int jounce_jerk_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_jerk_edges(const jounce_family *family, double *durations);
 double jounce_jerk_distance(const jounce_family *family, const jounce_profile *profile);

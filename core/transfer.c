@@ -58,6 +58,9 @@ static void pieces_of(const jounce_family *f, const jounce_profile *profile, dou
 static int shortest(const jounce_family *f, jounce_profile *best) {
     jounce_profiles found;
     int i, at = 0;
+    if (!by_speed(f)) {
+        return jounce_jerk_shortest(f, best);
+    }
     solutions(f, &found);
     for (i = 1; i < found.count; i++) {
         if (found.profiles[i].duration < found.profiles[at].duration) {
@@ -146,7 +149,7 @@ static int in_range(const jounce_motion *motion) {
 
 /* Scale a problem to its own units. */
 static void pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
-                 Problem *p) {
+                 double size, Problem *p) {
     jounce_task *t = &p->whole;
     int jumps = !is_finite(limits->j_high);
     t->distance = end->x - start->x;
@@ -160,7 +163,7 @@ static void pose(const jounce_state *start, const jounce_state *end, const jounc
     t->a_max = limits->a_high;
     t->fall = -limits->j_low;
     t->rise = limits->j_high;
-    t->resolution = EPSILON * larger(magnitude(start->x), magnitude(end->x));
+    t->resolution = EPSILON * size;
     p->units = jounce_to_own_units(t);
     p->start = scaled(start->x, -p->units.length);
     p->goal = scaled(end->x, -p->units.length);
@@ -190,10 +193,19 @@ static jounce_status finish(const Problem *p, const jounce_state *end, const jou
     return in_range(motion) ? JOUNCE_OK : JOUNCE_RANGE;
 }
 
+static double size_of(const jounce_state *start, const jounce_state *end) {
+    return larger(magnitude(start->x), magnitude(end->x));
+}
+
 jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end,
                               const jounce_limits *limits, jounce_motion *motion) {
+    return jounce_approach(start, end, limits, size_of(start, end), motion);
+}
+
+jounce_status jounce_approach(const jounce_state *start, const jounce_state *end,
+                              const jounce_limits *limits, double size, jounce_motion *motion) {
     Problem p;
-    pose(start, end, limits, &p);
+    pose(start, end, limits, size, &p);
     bring_inside(&p);
     clear(motion);
     if (p.way.count > 0 && starts_within(&p.whole)) { /* it leaves its bounds later, or never */
@@ -214,7 +226,7 @@ jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_s
     jounce_change change;
     Problem p;
     goal.x = start->x;
-    pose(start, &goal, limits, &p);
+    pose(start, &goal, limits, magnitude(start->x), &p);
     clear(motion);
     p.position = jounce_bring_acceleration_inside(&p.task, p.start, motion);
     change = jounce_change_velocity(&p.task);
@@ -319,7 +331,7 @@ jounce_status jounce_possible_durations(const jounce_state *start, const jounce_
                                         jounce_durations *durations) {
     Problem p;
     int i;
-    pose(start, end, limits, &p);
+    pose(start, end, limits, size_of(start, end), &p);
     bring_inside(&p);
     possible(&p.task, durations);
     for (i = 0; i < durations->count; i++) {
@@ -572,7 +584,7 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
                                       jounce_motion *motion) {
     Problem p;
     double left;
-    pose(start, end, limits, &p);
+    pose(start, end, limits, size_of(start, end), &p);
     bring_inside(&p);
     left = scaled(duration, -p.units.time) - p.way.duration;
     *motion = p.way;
