@@ -99,7 +99,7 @@ static Reached rise_to(jounce_motion *m, const Seen *s, double beyond, double sl
 }
 
 /* The sample with bounded acceleration. */
-static Reached by_speed(const Seen *s, double slack, jounce_motion *m) {
+static Reached sample_by_speed(const Seen *s, double slack, jounce_motion *m) {
     double w = s->w;
     double beyond = w > 0.0 ? s->e + w * w * (0.5 / s->down) : s->e - w * w * (0.5 / s->up);
     if (beyond < -slack || (w > 0.0 && beyond <= slack)) {
@@ -139,7 +139,7 @@ static double bound_in_units(double bound, int exponent) {
 }
 
 /* The sample with bounded acceleration, in units in which no square leaves the range. */
-static Reached by_speed_in_own_units(const Seen *seen, double slack, jounce_motion *m) {
+static Reached sample_in_own_units(const Seen *seen, double slack, jounce_motion *m) {
     jounce_units units = units_of(seen);
     int t = -units.time, x = -units.length, v = x - t, a = v - t, i;
     Seen s = *seen;
@@ -151,7 +151,7 @@ static Reached by_speed_in_own_units(const Seen *seen, double slack, jounce_moti
     s.v_high = scaled(s.v_high, v);
     s.up = bound_in_units(s.up, a);
     s.down = bound_in_units(s.down, a);
-    reached = by_speed(&s, scaled(slack, x), m);
+    reached = sample_by_speed(&s, scaled(slack, x), m);
     reached.offset = scaled(reached.offset, -x);
     reached.w = scaled(reached.w, -v);
     reached.a = scaled(reached.a, -a);
@@ -190,7 +190,7 @@ static void cut(jounce_motion *m, double dt) {
 
 /* The sample with bounded jerk: of a plan to rest at the command, or to its velocity where that
  * is as fast as the bounds allow and the command is not caught up. */
-static jounce_status by_jerk(const Seen *s, const jounce_limits *seen_limits, double position,
+static jounce_status sample_by_jerk(const Seen *s, const jounce_limits *seen_limits, double position,
                              jounce_motion *m) {
     double least = smaller(seen_limits->j_high, -seen_limits->j_low) * s->dt * NOTHING_YET;
     jounce_state start, end = {0.0, 0.0, 0.0};
@@ -287,13 +287,13 @@ jounce_status jounce_follow(const jounce_follower *f, const jounce_state *state,
     m->count = 0;
     m->duration = m->inside_after = 0.0;
     if (jerky) {
-        jounce_status status = by_jerk(&s, &seen_limits, state->x, m);
+        jounce_status status = sample_by_jerk(&s, &seen_limits, state->x, m);
         if (status != JOUNCE_OK) {
             return status;
         }
         r = run_out(m);
     } else {
-        r = by_speed_in_own_units(&s, slack, m);
+        r = sample_in_own_units(&s, slack, m);
     }
     base = wraps || s.e != off ? state->x - s.e : command;
     if (jerky && base != command) { /* as if the command were no farther than matters */

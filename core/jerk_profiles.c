@@ -318,7 +318,7 @@ static void keep(const jounce_profile *profile, jounce_profiles *found) {
 }
 
 /* A parameter beyond which the distance wanted is exceeded for good; 0 where there is none. */
-static int beyond(const jounce_family *f, int kind, double s, double infinite, double *far) {
+static int far_parameter(const jounce_family *f, int kind, double s, double infinite, double *far) {
     double step = infinite > 0.0 ? 1.0 : -1.0;
     while (magnitude(step) < 1e100) {
         jounce_profile profile = member(f, kind, s + step);
@@ -366,17 +366,6 @@ static jounce_profile between(const jounce_family *f, int kind, double s, double
     return profile;
 }
 
-static void sort(double *values, int count, int falling) {
-    int i, j;
-    for (i = 1; i < count; i++) {
-        double value = values[i];
-        for (j = i; j > 0 && (falling ? values[j - 1] < value : values[j - 1] > value); j--) {
-            values[j] = values[j - 1];
-        }
-        values[j] = value;
-    }
-}
-
 static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *found) {
     double low = smaller(arc->first, arc->last), high = larger(arc->first, arc->last);
     double turns[2], marks[4], s_before = 0.0, error_before = 0.0;
@@ -387,13 +376,17 @@ static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *foun
             marks[count++] = turns[i];
         }
     }
-    sort(marks + 1, count - 1, arc->last < arc->first);
+    if (count == 3 && (marks[1] > marks[2]) == (arc->first < arc->last)) {
+        double turn = marks[1];
+        marks[1] = marks[2];
+        marks[2] = turn;
+    }
     marks[count++] = arc->last;
     for (i = 0; i < count; i++) {
         double s = marks[i], error;
         jounce_profile profile;
         Travel there;
-        if (!is_finite(s) && !beyond(f, arc->kind, s_before, s, &s)) {
+        if (!is_finite(s) && !far_parameter(f, arc->kind, s_before, s, &s)) {
             return;
         }
         profile = member(f, arc->kind, s);
@@ -434,7 +427,7 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
 }
 
 /* The profile that touches v_max, or cruises there; 0 where it does not cover the distance. */
-static int by_cruising(const jounce_family *f, jounce_profile *profile) {
+static int cruising_there(const jounce_family *f, jounce_profile *profile) {
     double v_max = f->task.v_max, rest, slack;
     if (!cruising(f, profile)) {
         return 0;
@@ -484,7 +477,7 @@ int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
             }
         }
     }
-    if (by_cruising(f, &profile) && (!any || profile.duration < best->duration)) {
+    if (cruising_there(f, &profile) && (!any || profile.duration < best->duration)) {
         *best = profile;
         any = 1;
     }
@@ -500,7 +493,7 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     for (i = 0; i < arcs.count; i++) {
         on_arc(f, &arcs.arcs[i], found);
     }
-    if (by_cruising(f, &profile)) {
+    if (cruising_there(f, &profile)) {
         keep(&profile, found);
     }
 }

@@ -119,6 +119,22 @@ typedef struct {
 jounce_status jounce_follow(const jounce_follower *follower, const jounce_state *state,
                             double command, double command_velocity, jounce_motion *motion);
 
+/* --- equal first-order lags in series: a jerk filter (lags.c) ------------------------------------ */
+
+enum { JOUNCE_MOST_LAGS = 50 };
+
+/* Advance lags by tau behind a motion that has the derivatives 0 ... order given; order < 40. */
+void jounce_advance_lags(double *lags, int count, const double *motion, int order, double tau,
+                         double omega);
+
+/* Advance lags behind the first `duration` of a motion. */
+void jounce_lags_behind(double *lags, int count, const jounce_motion *motion, double duration,
+                        double omega);
+
+/* Position and derivatives 1 ... highest behind the lags; `motion` are those before them. */
+void jounce_lags_output(const double *lags, int count, const double *motion, int highest,
+                        double omega, double *out);
+
 /* --- evaluation of pieces of any order (pieces.c) --------------------------------------------- */
 
 /* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */

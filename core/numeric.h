@@ -6,6 +6,8 @@
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__) && defined(__FP_FAST_FMA)
+#pragma GCC optimize("fp-contract=off") /* it does not know the standard's pragma */
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)
 #endif

@@ -13,7 +13,7 @@ typedef struct {
 
 /* --- the families of both bounds on the jerk and none ------------------------------------------ */
 
-static int by_speed(const jounce_family *f) { return !is_finite(f->task.rise); }
+static int jumps(const jounce_family *f) { return !is_finite(f->task.rise); }
 
 static void make_family(const jounce_task *task, jounce_family *f) {
     if (!is_finite(task->rise)) {
@@ -24,7 +24,7 @@ static void make_family(const jounce_task *task, jounce_family *f) {
 }
 
 static void solutions(const jounce_family *f, jounce_profiles *found) {
-    if (by_speed(f)) {
+    if (jumps(f)) {
         jounce_speed_solutions(f, found);
     } else {
         jounce_jerk_solutions(f, found);
@@ -32,21 +32,21 @@ static void solutions(const jounce_family *f, jounce_profiles *found) {
 }
 
 static int lasting(const jounce_family *f, double duration, jounce_profile *profile) {
-    return by_speed(f) ? jounce_speed_lasting(f, duration, profile)
+    return jumps(f) ? jounce_speed_lasting(f, duration, profile)
                        : jounce_jerk_lasting(f, duration, profile);
 }
 
 static int edges(const jounce_family *f, double *durations) {
-    return by_speed(f) ? jounce_speed_edges(f, durations) : jounce_jerk_edges(f, durations);
+    return jumps(f) ? jounce_speed_edges(f, durations) : jounce_jerk_edges(f, durations);
 }
 
 static double distance_of(const jounce_family *f, const jounce_profile *profile) {
-    return by_speed(f) ? jounce_speed_distance(f, profile) : jounce_jerk_distance(f, profile);
+    return jumps(f) ? jounce_speed_distance(f, profile) : jounce_jerk_distance(f, profile);
 }
 
 static void pieces_of(const jounce_family *f, const jounce_profile *profile, double start,
                       double end, jounce_motion *motion) {
-    if (by_speed(f)) {
+    if (jumps(f)) {
         jounce_speed_pieces(f, profile, start, end, motion);
     } else {
         jounce_jerk_pieces(f, profile, start, end, motion);
@@ -58,7 +58,7 @@ static void pieces_of(const jounce_family *f, const jounce_profile *profile, dou
 static int shortest(const jounce_family *f, jounce_profile *best) {
     jounce_profiles found;
     int i, at = 0;
-    if (!by_speed(f)) {
+    if (!jumps(f)) {
         return jounce_jerk_shortest(f, best);
     }
     solutions(f, &found);
@@ -389,7 +389,7 @@ static Trial trial(const jounce_task *task, double velocity, double duration) {
 }
 
 /* A velocity towards a bound at which the error has changed sign, or is not known. */
-static Trial beyond(const jounce_task *task, double velocity, double bound, double duration) {
+static Trial trial_towards(const jounce_task *task, double velocity, double bound, double duration) {
     double step = larger(magnitude(velocity), 1.0), before;
     int i;
     if (is_finite(bound)) {
@@ -477,9 +477,9 @@ static int cruising_velocity(const jounce_task *task, double duration, double *v
         return 0;
     }
     if (!have_low) {
-        low = beyond(task, high.velocity, task->v_min, duration);
+        low = trial_towards(task, high.velocity, task->v_min, duration);
     } else if (!have_high) {
-        high = beyond(task, low.velocity, task->v_max, duration);
+        high = trial_towards(task, low.velocity, task->v_max, duration);
     }
     if (is_nan(low.error) && is_nan(high.error)) {
         return 0;
