@@ -135,9 +135,26 @@ void jounce_lags_behind(double *lags, int count, const jounce_motion *motion, do
 void jounce_lags_output(const double *lags, int count, const double *motion, int highest,
                         double omega, double *out);
 
-/* --- evaluation of pieces of any order (pieces.c) --------------------------------------------- */
+/* --- evaluation of pieces of any order (pieces.c, evaluation.c) -------------------------------- */
 
 /* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */
 double jounce_taylor(const double *state, int order, int k, double t);
+
+enum { JOUNCE_MOST_ORDER = 40 };
+
+/* A function of time in pieces. */
+typedef struct {
+    int order;               /* n, the highest derivative, at most JOUNCE_MOST_ORDER */
+    size_t count;            /* m */
+    const double *breaks;    /* m + 1, increasing */
+    const double *states;    /* m + 2 rows of position and derivatives 1 ... n: at breaks[0] for */
+                             /* the time before, at the start of each piece, after the last */
+    const double *durations; /* m; no piece is run past its own */
+} jounce_pieces;
+
+/* Derivatives first ... last at times, that of k in out[(k - first) * stride]; increasing times
+ * are fastest. JOUNCE_RANGE where a time is not finite. */
+jounce_status jounce_evaluate(const jounce_pieces *pieces, const double *times, size_t count,
+                              int first, int last, double *out, size_t stride);
 
 #endif

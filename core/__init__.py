@@ -1,0 +1,31 @@
+"""The core in C99, what is simulated and what is shipped: evaluation and planning of motions."""
+
+from .binding import (
+    NO_DURATION,
+    OK,
+    RANGE,
+    UNREACHABLE,
+    Motion,
+    Pieces,
+    possible_durations,
+    transfer,
+    transfer_lasting,
+    transfer_pieces,
+    transfers,
+    velocity_transfer,
+)
+
+__all__ = [
+    "NO_DURATION",
+    "OK",
+    "RANGE",
+    "UNREACHABLE",
+    "Motion",
+    "Pieces",
+    "possible_durations",
+    "transfer",
+    "transfer_lasting",
+    "transfer_pieces",
+    "transfers",
+    "velocity_transfer",
+]

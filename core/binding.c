@@ -1,0 +1,1008 @@
+/* The core in Python, through CPython's stable interface: `jounce.core.binding`.
+ *
+ * Arrays come as buffers of doubles, results are numpy's arrays. Plain numbers, tuples and lists
+ * are read at once; for anything else TypeError is raised, for numbers out of place ValueError,
+ * and the caller in Python converts, or says what is wrong. No state but the module's, so that
+ * threads and interpreters do not meet; long work is done without the interpreter's lock.
+ */
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <string.h>
+
+#include "jounce.h"
+
+enum { LONG = 2048 }; /* points from which other threads may run meanwhile */
+
+typedef struct {
+    PyObject *empty, *asarray, *ndarray, *number; /* numpy's; the last one float64 */
+    PyObject *convert;                             /* {"order": "C"} */
+    PyObject *pieces, *motion;                     /* types */
+} State;
+
+#define FAST(function) ((PyCFunction)(void (*)(void))(function))
+
+static State *state_of(PyObject *self) { return PyType_GetModuleState(Py_TYPE(self)); }
+
+/* Objects hold on to their type. */
+static void let_go(PyObject *self) {
+    PyTypeObject *type = Py_TYPE(self);
+    freefunc release_memory = (freefunc)PyType_GetSlot(type, Py_tp_free);
+    release_memory(self);
+    Py_DECREF(type);
+}
+
+static int expect(Py_ssize_t given, Py_ssize_t count, const char *signature) {
+    if (given == count) {
+        return 1;
+    }
+    PyErr_Format(PyExc_TypeError, "%s: got %zd arguments", signature, given);
+    return 0;
+}
+
+/* --- buffers ---------------------------------------------------------------------------------- */
+
+enum { READ = PyBUF_C_CONTIGUOUS | PyBUF_FORMAT, WRITE = READ | PyBUF_WRITABLE };
+
+static int of_doubles(const Py_buffer *view) {
+    return view->itemsize == (Py_ssize_t)sizeof(double) && strcmp(view->format, "d") == 0;
+}
+
+static Py_ssize_t items(const Py_buffer *view) { return view->len / view->itemsize; }
+
+/* Look into an array of doubles; 0 with TypeError for anything else. */
+static int look(PyObject *object, Py_buffer *view, int flags) {
+    if (PyObject_GetBuffer(object, view, flags) == 0) {
+        if (of_doubles(view)) {
+            return 1;
+        }
+        PyBuffer_Release(view);
+    }
+    PyErr_SetString(PyExc_TypeError, "expected a contiguous array of float64");
+    return 0;
+}
+
+typedef struct {
+    PyObject *object;
+    Py_ssize_t size; /* of an item; 8 means a double, 1 a signed byte */
+    Py_ssize_t count, or_count;
+    int flags;
+} Wanted;
+
+static void release(Py_buffer *views, int count) {
+    while (count > 0) {
+        PyBuffer_Release(&views[--count]);
+    }
+}
+
+/* Look into arrays that must have `count` or `or_count` items. */
+static int look_into(const Wanted *wanted, int count, Py_buffer *views) {
+    int i;
+    for (i = 0; i < count; i++) {
+        const Wanted *w = &wanted[i];
+        if (PyObject_GetBuffer(w->object, &views[i], w->flags) < 0) {
+            release(views, i);
+            return 0;
+        }
+        if (views[i].itemsize != w->size ||
+            strcmp(views[i].format, w->size == 1 ? "b" : "d") != 0) {
+            PyErr_Format(PyExc_TypeError, "argument %d: expected a contiguous array of %s", i + 1,
+                         w->size == 1 ? "int8" : "float64");
+            release(views, i + 1);
+            return 0;
+        }
+        if (items(&views[i]) != w->count && items(&views[i]) != w->or_count) {
+            PyErr_Format(PyExc_ValueError, "argument %d has %zd values: expected %zd", i + 1,
+                         items(&views[i]), w->count);
+            release(views, i + 1);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static Wanted doubles(PyObject *object, Py_ssize_t count) {
+    Wanted w = {object, 8, count, count, READ};
+    return w;
+}
+
+static Wanted doubles_for_all(PyObject *object, Py_ssize_t each, Py_ssize_t count) {
+    Wanted w = {object, 8, each * count, each, READ};
+    return w;
+}
+
+static Wanted room(PyObject *object, Py_ssize_t count) {
+    Wanted w = {object, 8, count, count, WRITE};
+    return w;
+}
+
+static Wanted room_for_bytes(PyObject *object, Py_ssize_t count) {
+    Wanted w = {object, 1, count, count, WRITE};
+    return w;
+}
+
+/* A new array of the shape of `view`, after `rows` where those are not negative. */
+static PyObject *new_array(State *state, Py_ssize_t rows, const Py_buffer *view) {
+    int before = rows >= 0, i;
+    PyObject *shape, *result;
+    if (!before && view->ndim == 1) {
+        shape = PyLong_FromSsize_t(view->shape[0]);
+    } else {
+        shape = PyTuple_New(before + view->ndim);
+        if (shape != NULL && before) {
+            PyTuple_SetItem(shape, 0, PyLong_FromSsize_t(rows));
+        }
+        for (i = 0; shape != NULL && i < view->ndim; i++) {
+            PyTuple_SetItem(shape, before + i, PyLong_FromSsize_t(view->shape[i]));
+        }
+    }
+    if (shape == NULL) {
+        return NULL;
+    }
+    result = PyObject_CallFunctionObjArgs(state->empty, shape, NULL);
+    Py_DECREF(shape);
+    return result;
+}
+
+/* --- plain numbers ---------------------------------------------------------------------------- */
+
+static int is_number(double x) { return x - x == 0.0; }
+
+/* A float or int; 0 for anything else, without an error set. */
+static int plain_number(PyObject *object, double *number) {
+    if (PyFloat_Check(object) || PyLong_Check(object)) {
+        *number = PyFloat_AsDouble(object);
+        if (!PyErr_Occurred()) {
+            return 1;
+        }
+        PyErr_Clear();
+    }
+    return 0;
+}
+
+/* The numbers in a tuple or list of up to `most`: how many, or -1 with TypeError. */
+static Py_ssize_t plain_numbers(PyObject *object, double *numbers, Py_ssize_t most) {
+    Py_ssize_t count = -1, i;
+    if (PyTuple_Check(object) || PyList_Check(object)) {
+        count = PySequence_Size(object);
+    }
+    for (i = 0; i < count && count <= most; i++) {
+        PyObject *item = PySequence_GetItem(object, i);
+        int plain = item != NULL && plain_number(item, &numbers[i]);
+        Py_XDECREF(item);
+        if (!plain) {
+            break;
+        }
+    }
+    if (count < 0 || i < count) {
+        PyErr_Format(PyExc_TypeError, "expected a tuple or list of at most %zd numbers", most);
+        return -1;
+    }
+    return count;
+}
+
+static int one_number(PyObject *object, double *number) {
+    if (plain_number(object, number)) {
+        return 1;
+    }
+    PyErr_SetString(PyExc_TypeError, "expected a float or int");
+    return 0;
+}
+
+static int plain_state(PyObject *object, int order, jounce_state *state) {
+    double values[3] = {0.0, 0.0, 0.0};
+    if (plain_numbers(object, values, order) < 0) {
+        return 0;
+    }
+    if (!(is_number(values[0]) && is_number(values[1]) && is_number(values[2]))) {
+        PyErr_SetString(PyExc_ValueError, "a state must be finite");
+        return 0;
+    }
+    state->x = values[0];
+    state->v = values[1];
+    state->a = values[2];
+    return 1;
+}
+
+/* Lower and upper bounds of 2 or 3 derivatives, velocity first. */
+static jounce_limits limits_of(const double *bounds, int order) {
+    jounce_limits limits;
+    limits.v_low = bounds[0];
+    limits.v_high = bounds[1];
+    limits.a_low = bounds[2];
+    limits.a_high = bounds[3];
+    limits.j_low = order == 3 ? bounds[4] : -Py_HUGE_VAL;
+    limits.j_high = order == 3 ? bounds[5] : Py_HUGE_VAL;
+    return limits;
+}
+
+/* Returns their order; 0 with an error set. */
+static int plain_limits(PyObject *object, jounce_limits *limits) {
+    double bounds[6];
+    Py_ssize_t count = plain_numbers(object, bounds, 6), i;
+    int order = (int)(count / 2), sound = count == 4 || count == 6;
+    for (i = 0; sound && i < count; i += 2) {
+        sound = bounds[i] < 0.0 && 0.0 < bounds[i + 1];
+    }
+    if (count < 0) {
+        return 0;
+    }
+    if (!sound || !is_number(bounds[count - 2]) || !is_number(bounds[count - 1])) {
+        PyErr_SetString(PyExc_ValueError,
+                        "bounds: expected lower < 0 < upper of velocity, acceleration and, for "
+                        "order 3, jerk, the last ones finite");
+        return 0;
+    }
+    *limits = limits_of(bounds, order);
+    return order;
+}
+
+/* --- Pieces: a function of time, ready to be evaluated ------------------------------------------ */
+
+typedef struct {
+    PyObject_HEAD
+    jounce_pieces pieces;
+    double *memory;
+} Pieces;
+
+/* Room for m pieces of order n: breaks, durations and states follow one another. */
+static Pieces *new_pieces(PyTypeObject *type, size_t m, int n) {
+    Pieces *self = (Pieces *)PyType_GenericNew(type, NULL, NULL);
+    size_t width = (size_t)n + 1;
+    if (self == NULL) {
+        return NULL;
+    }
+    self->memory = PyMem_Calloc(2 * m + 1 + (m + 2) * width, sizeof(double));
+    if (self->memory == NULL) {
+        Py_DECREF(self);
+        return (Pieces *)PyErr_NoMemory();
+    }
+    self->pieces.order = n;
+    self->pieces.count = m;
+    self->pieces.breaks = self->memory;
+    self->pieces.durations = self->memory + m + 1;
+    self->pieces.states = self->memory + 2 * m + 1;
+    return self;
+}
+
+/* Copy a motion; outside, derivatives up to `coasting` go on from its first and last state. */
+static void fill(const jounce_pieces *pieces, double *memory, const double *breaks,
+                 const double *states, const double *durations, const double *end, int coasting) {
+    size_t m = pieces->count, width = (size_t)pieces->order + 1;
+    size_t known = (size_t)(coasting + 1) * sizeof(double);
+    double *rows = memory + 2 * m + 1;
+    memcpy(memory, breaks, (m + 1) * sizeof(double));
+    if (m > 0) {
+        memcpy(memory + m + 1, durations, m * sizeof(double));
+        memcpy(rows + width, states, m * width * sizeof(double));
+    }
+    memcpy(rows, m > 0 ? states : end, known);
+    memcpy(rows + (m + 1) * width, end, known);
+}
+
+static PyObject *pieces_new(PyTypeObject *type, PyObject *args, PyObject *names) {
+    PyObject *breaks, *states, *durations, *end;
+    Py_buffer views[4];
+    Wanted wanted[4];
+    Py_ssize_t m, width;
+    int coasting;
+    Pieces *self = NULL;
+    if (names != NULL && PyDict_Size(names) > 0) {
+        PyErr_SetString(PyExc_TypeError, "Pieces takes no keyword arguments");
+        return NULL;
+    }
+    if (!PyArg_ParseTuple(args, "OOOOi:Pieces", &breaks, &states, &durations, &end, &coasting)) {
+        return NULL;
+    }
+    m = PyObject_Size(durations);
+    width = PyObject_Size(end);
+    if (m < 0 || width < 0) {
+        return NULL;
+    }
+    if (width < 2 || width > JOUNCE_MOST_ORDER + 1 || coasting < -1 || coasting >= width) {
+        PyErr_Format(PyExc_ValueError, "end_state of %zd values, coasting = %d: expected 2 to %d, "
+                     "and -1 to one less than the values", width, coasting, JOUNCE_MOST_ORDER + 1);
+        return NULL;
+    }
+    wanted[0] = doubles(breaks, m + 1);
+    wanted[1] = doubles(states, m * width);
+    wanted[2] = doubles(durations, m);
+    wanted[3] = doubles(end, width);
+    if (!look_into(wanted, 4, views)) {
+        return NULL;
+    }
+    self = new_pieces(type, (size_t)m, (int)width - 1);
+    if (self != NULL) {
+        fill(&self->pieces, self->memory, views[0].buf, views[1].buf, views[2].buf, views[3].buf,
+             coasting);
+    }
+    release(views, 4);
+    return (PyObject *)self;
+}
+
+static void pieces_dealloc(PyObject *self) {
+    PyMem_Free(((Pieces *)self)->memory);
+    let_go(self);
+}
+
+static int evaluate(const Pieces *self, const double *times, Py_ssize_t count, int first, int last,
+                    double *out, size_t stride) {
+    jounce_status status;
+    if (count * (last - first + 1) >= LONG) {
+        Py_BEGIN_ALLOW_THREADS
+        status = jounce_evaluate(&self->pieces, times, (size_t)count, first, last, out, stride);
+        Py_END_ALLOW_THREADS
+    } else {
+        status = jounce_evaluate(&self->pieces, times, (size_t)count, first, last, out, stride);
+    }
+    if (status != JOUNCE_OK) {
+        PyErr_SetString(PyExc_ValueError, "times must be finite: got NaN or infinity");
+        return 0;
+    }
+    return 1;
+}
+
+/* Times of any kind as an array of doubles: a new reference. */
+static PyObject *times_of(State *state, PyObject *given, Py_buffer *view) {
+    PyObject *args, *array;
+    if (PyObject_CheckBuffer(given) && PyObject_GetBuffer(given, view, READ) == 0) {
+        if (of_doubles(view)) {
+            Py_INCREF(given);
+            return given;
+        }
+        PyBuffer_Release(view);
+    }
+    PyErr_Clear();
+    args = PyTuple_Pack(2, given, state->number);
+    array = args != NULL ? PyObject_Call(state->asarray, args, state->convert) : NULL;
+    Py_XDECREF(args);
+    if (array != NULL && !look(array, view, READ)) {
+        Py_DECREF(array);
+        return NULL;
+    }
+    return array;
+}
+
+static int derivative_of(PyObject *object, int *k) {
+    long number = PyLong_AsLong(object);
+    if (number == -1 && PyErr_Occurred()) {
+        return 0;
+    }
+    *k = number > JOUNCE_MOST_ORDER ? JOUNCE_MOST_ORDER + 1 : (int)number;
+    if (number < 0) {
+        PyErr_Format(PyExc_ValueError, "derivative %ld: expected 0 or more", number);
+    }
+    return number >= 0;
+}
+
+static PyObject *at_one(const Pieces *self, double time, int k) {
+    double value;
+    return evaluate(self, &time, 1, k, k, &value, 1) ? PyFloat_FromDouble(value) : NULL;
+}
+
+static PyObject *pieces_at(PyObject *self, PyObject *const *args, Py_ssize_t count) {
+    State *state = state_of(self);
+    PyObject *times, *result = NULL;
+    Py_buffer in, out;
+    double time;
+    int k;
+    if (!expect(count, 2, "at(t, derivative)") || !derivative_of(args[1], &k)) {
+        return NULL;
+    }
+    if (plain_number(args[0], &time)) {
+        return at_one((Pieces *)self, time, k);
+    }
+    times = times_of(state, args[0], &in);
+    if (times == NULL) {
+        return NULL;
+    }
+    if (in.ndim == 0) {
+        result = at_one((Pieces *)self, *(const double *)in.buf, k);
+    } else {
+        result = new_array(state, -1, &in);
+        if (result != NULL && look(result, &out, WRITE)) {
+            if (!evaluate((Pieces *)self, in.buf, items(&in), k, k, out.buf, 0)) {
+                Py_CLEAR(result);
+            }
+            PyBuffer_Release(&out);
+        } else {
+            Py_CLEAR(result);
+        }
+    }
+    PyBuffer_Release(&in);
+    Py_DECREF(times);
+    return result;
+}
+
+/* Whether an array has `rows` rows of the shape of the times, each contiguous. */
+static int fits(const Py_buffer *out, Py_ssize_t rows, const Py_buffer *times) {
+    Py_ssize_t step = (Py_ssize_t)sizeof(double);
+    int i, fit = of_doubles(out) && out->ndim == times->ndim + 1 && out->shape[0] == rows;
+    for (i = times->ndim - 1; fit && i >= 0; i--) {
+        fit = out->shape[i + 1] == times->shape[i] &&
+              (out->strides[i + 1] == step || times->shape[i] < 2);
+        step *= times->shape[i];
+    }
+    return fit && out->strides[0] >= 0 && out->strides[0] % (Py_ssize_t)sizeof(double) == 0;
+}
+
+static PyObject *pieces_up_to(PyObject *self, PyObject *const *args, Py_ssize_t count) {
+    State *state = state_of(self);
+    PyObject *times, *result;
+    Py_buffer in, out;
+    int k, done = 0;
+    if (!expect(count, 3, "up_to(t, highest, out)") || !derivative_of(args[1], &k)) {
+        return NULL;
+    }
+    times = times_of(state, args[0], &in);
+    if (times == NULL) {
+        return NULL;
+    }
+    if (args[2] == Py_None) {
+        result = new_array(state, k + 1, &in);
+    } else {
+        result = args[2];
+        Py_INCREF(result);
+    }
+    if (result != NULL &&
+        PyObject_GetBuffer(result, &out, PyBUF_STRIDED | PyBUF_FORMAT | PyBUF_WRITABLE) == 0) {
+        if (fits(&out, k + 1, &in)) {
+            done = evaluate((Pieces *)self, in.buf, items(&in), 0, k, out.buf,
+                            (size_t)out.strides[0] / sizeof(double));
+        } else {
+            PyErr_Format(PyExc_ValueError,
+                         "out does not fit: expected an array of float64 with %d rows of the "
+                         "shape of the times, contiguous along time", k + 1);
+        }
+        PyBuffer_Release(&out);
+    }
+    if (!done) {
+        Py_CLEAR(result);
+    }
+    PyBuffer_Release(&in);
+    Py_DECREF(times);
+    return result;
+}
+
+static PyMethodDef pieces_methods[] = {
+    {"at", FAST(pieces_at), METH_FASTCALL,
+     "at(t, derivative)\n--\n\nReturn one derivative: a float, or an array of the shape of t."},
+    {"up_to", FAST(pieces_up_to), METH_FASTCALL,
+     "up_to(t, highest, out)\n--\n\nReturn derivatives 0 to highest, (highest + 1, *t.shape), in "
+     "out or, where that is None, a new array."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot pieces_slots[] = {
+    {Py_tp_doc, "Pieces(breaks, states, durations, end_state, coasting)\n--\n\n"
+                "A piecewise polynomial of m pieces in Taylor form, copied from arrays of float64 "
+                "(m + 1,), (m, n + 1), (m,), (n + 1,).\n\nOutside, derivatives up to `coasting` "
+                "go on from the first and the last state, higher ones are zero."},
+    {Py_tp_new, (void *)pieces_new},
+    {Py_tp_dealloc, (void *)pieces_dealloc},
+    {Py_tp_methods, pieces_methods},
+    {0, NULL},
+};
+
+static PyType_Spec pieces_spec = {
+    .name = "jounce.core.binding.Pieces",
+    .basicsize = sizeof(Pieces),
+    .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_IMMUTABLETYPE,
+    .slots = pieces_slots,
+};
+
+/* --- Motion: what the planner returns ----------------------------------------------------------- */
+
+typedef struct {
+    PyObject_HEAD
+    jounce_motion motion;
+    int order;
+} Motion;
+
+static void row_of(const jounce_piece *piece, int order, double *row) {
+    row[0] = piece->x;
+    row[1] = piece->v;
+    row[2] = piece->a;
+    if (order == 3) {
+        row[3] = piece->j;
+    }
+}
+
+static void end_row(const jounce_motion *motion, int order, double *row) {
+    row[0] = motion->end.x;
+    row[1] = motion->end.v;
+    row[2] = order == 3 ? motion->end.a : 0.0;
+    if (order == 3) {
+        row[3] = 0.0;
+    }
+}
+
+enum { MOST_NUMBERS = 2 * JOUNCE_MOST_PIECES + 1 + 4 * (JOUNCE_MOST_PIECES + 1) };
+
+/* Breaks, durations, states and end state of a motion, one after the other. */
+static void lay_out(const Motion *self, double *memory) {
+    int m = self->motion.count, width = self->order + 1, i;
+    double *durations = memory + m + 1, *states = durations + m, time = 0.0;
+    memory[0] = 0.0;
+    for (i = 0; i < m; i++) {
+        const jounce_piece *piece = &self->motion.pieces[i];
+        time += piece->duration;
+        memory[i + 1] = time;
+        durations[i] = piece->duration;
+        row_of(piece, self->order, states + i * width);
+    }
+    end_row(&self->motion, self->order, states + m * width);
+}
+
+/* A read-only array (rows,) or (rows, width) on some of the bytes. */
+static PyObject *array_on(State *state, PyObject *bytes, int at, int rows, int width) {
+    PyObject *shape = width > 0 ? Py_BuildValue("(ii)", rows, width) : Py_BuildValue("(i)", rows);
+    PyObject *offset = PyLong_FromSize_t((size_t)at * sizeof(double)), *array = NULL;
+    if (shape != NULL && offset != NULL) {
+        array = PyObject_CallFunctionObjArgs(state->ndarray, shape, state->number, bytes, offset,
+                                             NULL);
+    }
+    Py_XDECREF(shape);
+    Py_XDECREF(offset);
+    return array;
+}
+
+static PyObject *motion_arrays(PyObject *self, PyObject *unused) {
+    const Motion *motion = (Motion *)self;
+    State *state = state_of(self);
+    int m = motion->motion.count, width = motion->order + 1;
+    double memory[MOST_NUMBERS];
+    PyObject *bytes, *arrays;
+    (void)unused;
+    lay_out(motion, memory);
+    bytes = PyBytes_FromStringAndSize(
+        (const char *)memory, (Py_ssize_t)sizeof(double) * (2 * m + 1 + (m + 1) * width));
+    if (bytes == NULL) {
+        return NULL;
+    }
+    arrays = Py_BuildValue("(NNNN)", array_on(state, bytes, 0, m + 1, 0),
+                           array_on(state, bytes, 2 * m + 1, m, width),
+                           array_on(state, bytes, m + 1, m, 0),
+                           array_on(state, bytes, 2 * m + 1 + m * width, width, 0));
+    Py_DECREF(bytes);
+    return arrays;
+}
+
+static PyObject *motion_pieces(PyObject *self, PyObject *unused) {
+    const Motion *motion = (Motion *)self;
+    int m = motion->motion.count, width = motion->order + 1;
+    double memory[MOST_NUMBERS];
+    Pieces *pieces = new_pieces((PyTypeObject *)state_of(self)->pieces, (size_t)m, motion->order);
+    (void)unused;
+    if (pieces != NULL) {
+        lay_out(motion, memory);
+        fill(&pieces->pieces, pieces->memory, memory, memory + 2 * m + 1, memory + m + 1,
+             memory + 2 * m + 1 + m * width, 1);
+    }
+    return (PyObject *)pieces;
+}
+
+static PyObject *motion_duration(PyObject *self, void *unused) {
+    (void)unused;
+    return PyFloat_FromDouble(((Motion *)self)->motion.duration);
+}
+
+static PyObject *motion_inside_after(PyObject *self, void *unused) {
+    (void)unused;
+    return PyFloat_FromDouble(((Motion *)self)->motion.inside_after);
+}
+
+static PyObject *motion_count(PyObject *self, void *unused) {
+    (void)unused;
+    return PyLong_FromLong(((Motion *)self)->motion.count);
+}
+
+static PyObject *motion_order(PyObject *self, void *unused) {
+    (void)unused;
+    return PyLong_FromLong(((Motion *)self)->order);
+}
+
+static PyObject *motion_end_state(PyObject *self, void *unused) {
+    double row[4];
+    (void)unused;
+    end_row(&((Motion *)self)->motion, ((Motion *)self)->order, row);
+    return ((Motion *)self)->order == 3 ? Py_BuildValue("(dddd)", row[0], row[1], row[2], row[3])
+                                        : Py_BuildValue("(ddd)", row[0], row[1], row[2]);
+}
+
+static PyGetSetDef motion_attributes[] = {
+    {"duration", motion_duration, NULL, "The time it takes.", NULL},
+    {"inside_after", motion_inside_after, NULL, "When its bounds hold for good.", NULL},
+    {"count", motion_count, NULL, "The number m of its pieces.", NULL},
+    {"order", motion_order, NULL, "Its highest derivative n, 2 or 3.", NULL},
+    {"end_state", motion_end_state, NULL, "Position and derivatives 1 to n at its end.", NULL},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+static PyMethodDef motion_methods[] = {
+    {"arrays", motion_arrays, METH_NOARGS,
+     "arrays()\n--\n\nReturn breaks (m + 1,), states (m, n + 1), durations (m,) and end state "
+     "(n + 1,) as read-only arrays."},
+    {"pieces", motion_pieces, METH_NOARGS,
+     "pieces()\n--\n\nReturn Pieces that coast on outside at the velocities of start and end."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot motion_slots[] = {
+    {Py_tp_doc, "A motion from time 0 on, as the planner returns it."},
+    {Py_tp_dealloc, (void *)let_go},
+    {Py_tp_methods, motion_methods},
+    {Py_tp_getset, motion_attributes},
+    {0, NULL},
+};
+
+static PyType_Spec motion_spec = {
+    .name = "jounce.core.binding.Motion",
+    .basicsize = sizeof(Motion),
+    .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_IMMUTABLETYPE | Py_TPFLAGS_DISALLOW_INSTANTIATION,
+    .slots = motion_slots,
+};
+
+/* --- transfers -------------------------------------------------------------------------------- */
+
+typedef struct {
+    jounce_state start, end;
+    jounce_limits limits;
+    int order;
+} Problem;
+
+/* Read start, end and bounds; 0 with an error set. */
+static int problem_of(PyObject *const *args, Problem *p) {
+    p->order = plain_limits(args[2], &p->limits);
+    return p->order != 0 && plain_state(args[0], p->order, &p->start) &&
+           plain_state(args[1], p->order, &p->end);
+}
+
+static Motion *new_motion(PyObject *module, int order) {
+    State *state = PyModule_GetState(module);
+    Motion *self = (Motion *)PyType_GenericNew((PyTypeObject *)state->motion, NULL, NULL);
+    if (self != NULL) {
+        self->order = order;
+    }
+    return self;
+}
+
+/* The motion where there is one, else the status. */
+static PyObject *motion_or_status(Motion *self, jounce_status status) {
+    if (status != JOUNCE_OK) {
+        Py_DECREF(self);
+        return PyLong_FromLong((long)status);
+    }
+    return (PyObject *)self;
+}
+
+static PyObject *transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    Problem p;
+    Motion *self;
+    if (!expect(count, 3, "transfer(start, end, bounds)") || !problem_of(args, &p)) {
+        return NULL;
+    }
+    self = new_motion(module, p.order);
+    return self == NULL ? NULL
+                        : motion_or_status(self, jounce_transfer(&p.start, &p.end, &p.limits,
+                                                                 &self->motion));
+}
+
+static PyObject *velocity_transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    Problem p;
+    Motion *self;
+    if (!expect(count, 3, "velocity_transfer(start, end, bounds)") || !problem_of(args, &p)) {
+        return NULL;
+    }
+    self = new_motion(module, p.order);
+    return self == NULL ? NULL
+                        : motion_or_status(self, jounce_velocity_transfer(
+                                                     &p.start, &p.end, &p.limits, &self->motion));
+}
+
+static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    Problem p;
+    Motion *self;
+    double duration;
+    if (!expect(count, 4, "transfer_lasting(start, end, bounds, duration)") ||
+        !problem_of(args, &p) || !one_number(args[3], &duration)) {
+        return NULL;
+    }
+    if (!is_number(duration)) {
+        PyErr_SetString(PyExc_ValueError, "a duration must be finite");
+        return NULL;
+    }
+    self = new_motion(module, p.order);
+    return self == NULL ? NULL
+                        : motion_or_status(self, jounce_transfer_lasting(
+                                                     &p.start, &p.end, &p.limits, duration,
+                                                     &self->motion));
+}
+
+static PyObject *possible_durations(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    Problem p;
+    jounce_durations found;
+    PyObject *result;
+    int i;
+    (void)module;
+    if (!expect(count, 3, "possible_durations(start, end, bounds)") || !problem_of(args, &p)) {
+        return NULL;
+    }
+    found.count = 0;
+    jounce_possible_durations(&p.start, &p.end, &p.limits, &found);
+    result = PyTuple_New(found.count);
+    for (i = 0; result != NULL && i < found.count; i++) {
+        PyObject *pair = Py_BuildValue("(dd)", found.intervals[i].low, found.intervals[i].high);
+        if (pair == NULL) {
+            Py_CLEAR(result);
+        } else {
+            PyTuple_SetItem(result, i, pair);
+        }
+    }
+    return result;
+}
+
+/* --- many transfers ----------------------------------------------------------------------------- */
+
+/* Numbers of many problems; those of all where a step is zero. */
+typedef struct {
+    int order;
+    Py_ssize_t count;
+    const double *starts, *ends, *bounds;
+    Py_ssize_t start_step, end_step, bounds_step;
+} Problems;
+
+static Py_ssize_t step_of(const Py_buffer *view, Py_ssize_t each, Py_ssize_t count) {
+    return count > 1 && items(view) == each ? 0 : each;
+}
+
+static Problems problems_of(const Py_buffer *views, int order, Py_ssize_t count) {
+    Problems p;
+    p.order = order;
+    p.count = count;
+    p.starts = views[0].buf;
+    p.ends = views[1].buf;
+    p.bounds = views[2].buf;
+    p.start_step = step_of(&views[0], order, count);
+    p.end_step = step_of(&views[1], order, count);
+    p.bounds_step = step_of(&views[2], (Py_ssize_t)order * 2, count);
+    return p;
+}
+
+static jounce_state state_at(const double *row, int order) {
+    jounce_state state;
+    state.x = row[0];
+    state.v = row[1];
+    state.a = order == 3 ? row[2] : 0.0;
+    return state;
+}
+
+static jounce_status solve(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
+    jounce_state start = state_at(p->starts + i * p->start_step, p->order);
+    jounce_state end = state_at(p->ends + i * p->end_step, p->order);
+    jounce_limits limits = limits_of(p->bounds + i * p->bounds_step, p->order);
+    return jounce_transfer(&start, &end, &limits, motion);
+}
+
+static int order_of(PyObject *object) {
+    long order = PyLong_AsLong(object);
+    if (order != 2 && order != 3 && !PyErr_Occurred()) {
+        PyErr_Format(PyExc_ValueError, "order = %ld: expected 2 or 3", order);
+    }
+    return order == 2 || order == 3 ? (int)order : 0;
+}
+
+static void solve_all(const Problems *p, double *durations, double *inside, signed char *statuses,
+                      signed char *counts) {
+    jounce_motion motion;
+    Py_ssize_t i;
+    for (i = 0; i < p->count; i++) {
+        jounce_status status = solve(p, i, &motion);
+        int ok = status == JOUNCE_OK;
+        statuses[i] = (signed char)status;
+        counts[i] = (signed char)(ok ? motion.count : 0);
+        durations[i] = ok ? motion.duration : Py_HUGE_VAL - Py_HUGE_VAL;
+        inside[i] = ok ? motion.inside_after : Py_HUGE_VAL - Py_HUGE_VAL;
+    }
+}
+
+static PyObject *transfers(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[7];
+    Wanted wanted[7];
+    Problems p;
+    Py_ssize_t count;
+    int order;
+    (void)module;
+    if (!expect(given, 8, "transfers(order, starts, ends, bounds, durations, inside_after, "
+                          "statuses, counts)")) {
+        return NULL;
+    }
+    order = order_of(args[0]);
+    count = order != 0 ? PyObject_Size(args[4]) : -1;
+    if (count < 0) {
+        return NULL;
+    }
+    wanted[0] = doubles_for_all(args[1], order, count);
+    wanted[1] = doubles_for_all(args[2], order, count);
+    wanted[2] = doubles_for_all(args[3], (Py_ssize_t)order * 2, count);
+    wanted[3] = room(args[4], count);
+    wanted[4] = room(args[5], count);
+    wanted[5] = room_for_bytes(args[6], count);
+    wanted[6] = room_for_bytes(args[7], count);
+    if (!look_into(wanted, 7, views)) {
+        return NULL;
+    }
+    p = problems_of(views, order, count);
+    Py_BEGIN_ALLOW_THREADS
+    solve_all(&p, views[3].buf, views[4].buf, views[5].buf, views[6].buf);
+    Py_END_ALLOW_THREADS
+    release(views, 7);
+    Py_RETURN_NONE;
+}
+
+/* Pieces of all motions, `most` of each: those that a motion lacks take no time, at its end. */
+static void lay_out_all(const Problems *p, int most, double *lengths, double *states,
+                        double *ends) {
+    int width = p->order + 1, k;
+    jounce_motion motion;
+    Py_ssize_t i;
+    for (i = 0; i < p->count; i++) {
+        double *end = ends + i * width;
+        int count = solve(p, i, &motion) == JOUNCE_OK ? motion.count : 0;
+        end_row(&motion, p->order, end);
+        for (k = 0; k < most; k++) {
+            double *row = states + (i * most + k) * width;
+            lengths[i * most + k] = k < count ? motion.pieces[k].duration : 0.0;
+            if (k < count) {
+                row_of(&motion.pieces[k], p->order, row);
+            } else {
+                memcpy(row, end, (size_t)width * sizeof(double));
+            }
+        }
+    }
+}
+
+static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[6];
+    Wanted wanted[6];
+    Problems p;
+    Py_ssize_t count;
+    long most;
+    int order;
+    (void)module;
+    if (!expect(given, 8, "transfer_pieces(order, starts, ends, bounds, most, lengths, states, "
+                          "end_states)")) {
+        return NULL;
+    }
+    order = order_of(args[0]);
+    count = order != 0 ? PyObject_Size(args[5]) : -1;
+    most = count < 0 ? -1 : PyLong_AsLong(args[4]);
+    if (most < 0 || most > JOUNCE_MOST_PIECES) {
+        if (!PyErr_Occurred()) {
+            PyErr_Format(PyExc_ValueError, "most = %ld: expected 0 to %d", most,
+                         JOUNCE_MOST_PIECES);
+        }
+        return NULL;
+    }
+    wanted[0] = doubles_for_all(args[1], order, count);
+    wanted[1] = doubles_for_all(args[2], order, count);
+    wanted[2] = doubles_for_all(args[3], (Py_ssize_t)order * 2, count);
+    wanted[3] = room(args[5], count * most);
+    wanted[4] = room(args[6], count * most * (order + 1));
+    wanted[5] = room(args[7], count * (order + 1));
+    if (!look_into(wanted, 6, views)) {
+        return NULL;
+    }
+    p = problems_of(views, order, count);
+    Py_BEGIN_ALLOW_THREADS
+    lay_out_all(&p, (int)most, views[3].buf, views[4].buf, views[5].buf);
+    Py_END_ALLOW_THREADS
+    release(views, 6);
+    Py_RETURN_NONE;
+}
+
+/* --- the module ------------------------------------------------------------------------------- */
+
+static PyMethodDef functions[] = {
+    {"transfer", FAST(transfer), METH_FASTCALL,
+     "transfer(start, end, bounds)\n--\n\nReturn the fastest Motion between two states, or the "
+     "status that says why there is none."},
+    {"velocity_transfer", FAST(velocity_transfer), METH_FASTCALL,
+     "velocity_transfer(start, end, bounds)\n--\n\nReturn the fastest Motion to the velocity and "
+     "acceleration of `end`, or the status."},
+    {"transfer_lasting", FAST(transfer_lasting), METH_FASTCALL,
+     "transfer_lasting(start, end, bounds, duration)\n--\n\nReturn a Motion of a given duration, "
+     "or the status."},
+    {"possible_durations", FAST(possible_durations), METH_FASTCALL,
+     "possible_durations(start, end, bounds)\n--\n\nReturn the durations that a transfer can "
+     "take, as pairs (low, high); none where the end cannot be reached."},
+    {"transfers", FAST(transfers), METH_FASTCALL,
+     "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
+     "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
+     "numbers of pieces (N,) int8 are put in place."},
+    {"transfer_pieces", FAST(transfer_pieces), METH_FASTCALL,
+     "transfer_pieces(order, starts, ends, bounds, most, lengths, states, end_states)\n--\n\nPut "
+     "the pieces of N transfers in place, (N, most), (N, most, order + 1) and (N, order + 1)."},
+    {NULL, NULL, 0, NULL},
+};
+
+static int add_constants(PyObject *module) {
+    return PyModule_AddIntConstant(module, "OK", JOUNCE_OK) == 0 &&
+           PyModule_AddIntConstant(module, "UNREACHABLE", JOUNCE_UNREACHABLE) == 0 &&
+           PyModule_AddIntConstant(module, "NO_DURATION", JOUNCE_NO_DURATION) == 0 &&
+           PyModule_AddIntConstant(module, "RANGE", JOUNCE_RANGE) == 0;
+}
+
+static int add_types(PyObject *module, State *state) {
+    state->pieces = PyType_FromModuleAndSpec(module, &pieces_spec, NULL);
+    state->motion = PyType_FromModuleAndSpec(module, &motion_spec, NULL);
+    return state->pieces != NULL && state->motion != NULL &&
+           PyModule_AddType(module, (PyTypeObject *)state->pieces) == 0 &&
+           PyModule_AddType(module, (PyTypeObject *)state->motion) == 0;
+}
+
+static int execute(PyObject *module) {
+    State *state = PyModule_GetState(module);
+    PyObject *numpy = PyImport_ImportModule("numpy");
+    if (numpy == NULL) {
+        return -1;
+    }
+    state->empty = PyObject_GetAttrString(numpy, "empty");
+    state->asarray = PyObject_GetAttrString(numpy, "asarray");
+    state->ndarray = PyObject_GetAttrString(numpy, "ndarray");
+    state->number = PyObject_CallMethod(numpy, "dtype", "s", "d");
+    state->convert = Py_BuildValue("{ss}", "order", "C");
+    Py_DECREF(numpy);
+    if (state->empty == NULL || state->asarray == NULL || state->ndarray == NULL ||
+        state->number == NULL || state->convert == NULL) {
+        return -1;
+    }
+    return add_types(module, state) && add_constants(module) ? 0 : -1;
+}
+
+static int traverse(PyObject *module, visitproc visit, void *arg) {
+    State *state = PyModule_GetState(module);
+    Py_VISIT(state->empty);
+    Py_VISIT(state->asarray);
+    Py_VISIT(state->ndarray);
+    Py_VISIT(state->number);
+    Py_VISIT(state->convert);
+    Py_VISIT(state->pieces);
+    Py_VISIT(state->motion);
+    return 0;
+}
+
+static int clear(PyObject *module) {
+    State *state = PyModule_GetState(module);
+    Py_CLEAR(state->empty);
+    Py_CLEAR(state->asarray);
+    Py_CLEAR(state->ndarray);
+    Py_CLEAR(state->number);
+    Py_CLEAR(state->convert);
+    Py_CLEAR(state->pieces);
+    Py_CLEAR(state->motion);
+    return 0;
+}
+
+static void release_module(void *module) { clear(module); }
+
+static PyModuleDef_Slot slots[] = {
+    {Py_mod_exec, (void *)execute},
+#ifdef Py_mod_gil
+    {Py_mod_gil, Py_MOD_GIL_NOT_USED},
+#endif
+    {0, NULL},
+};
+
+static struct PyModuleDef definition = {
+    .m_base = PyModuleDef_HEAD_INIT,
+    .m_name = "jounce.core.binding",
+    .m_doc = "The C99 core: evaluation and planning of motions with bounded derivatives.",
+    .m_size = sizeof(State),
+    .m_methods = functions,
+    .m_slots = slots,
+    .m_traverse = traverse,
+    .m_clear = clear,
+    .m_free = release_module,
+};
+
+PyMODINIT_FUNC PyInit_binding(void) { return PyModuleDef_Init(&definition); }

@@ -1,0 +1,75 @@
+"""The core in C, as `binding.c` shows it to Python."""
+
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+StatusArray = NDArray[np.int8]
+Numbers = tuple[float, ...] | list[float]
+
+OK: int
+UNREACHABLE: int
+NO_DURATION: int
+RANGE: int
+
+@final
+class Pieces:
+    def __new__(
+        cls,
+        breaks: FloatArray,
+        states: FloatArray,
+        durations: FloatArray,
+        end_state: FloatArray,
+        coasting: int,
+        /,
+    ) -> Pieces: ...
+    def at(self, t: ArrayLike, derivative: int, /) -> FloatArray: ...
+    def up_to(self, t: ArrayLike, highest: int, out: FloatArray | None, /) -> FloatArray: ...
+
+@final
+class Motion:
+    @property
+    def duration(self) -> float: ...
+    @property
+    def inside_after(self) -> float: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def order(self) -> int: ...
+    @property
+    def end_state(self) -> tuple[float, ...]: ...
+    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]: ...
+    def pieces(self) -> Pieces: ...
+
+def transfer(start: Numbers, end: Numbers, bounds: Numbers, /) -> Motion | int: ...
+def velocity_transfer(start: Numbers, end: Numbers, bounds: Numbers, /) -> Motion | int: ...
+def transfer_lasting(
+    start: Numbers, end: Numbers, bounds: Numbers, duration: float, /
+) -> Motion | int: ...
+def possible_durations(
+    start: Numbers, end: Numbers, bounds: Numbers, /
+) -> tuple[tuple[float, float], ...]: ...
+def transfers(
+    order: int,
+    starts: FloatArray,
+    ends: FloatArray,
+    bounds: FloatArray,
+    durations: FloatArray,
+    inside_after: FloatArray,
+    statuses: StatusArray,
+    counts: StatusArray,
+    /,
+) -> None: ...
+def transfer_pieces(
+    order: int,
+    starts: FloatArray,
+    ends: FloatArray,
+    bounds: FloatArray,
+    most: int,
+    lengths: FloatArray,
+    states: FloatArray,
+    end_states: FloatArray,
+    /,
+) -> None: ...
