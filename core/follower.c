@@ -24,7 +24,7 @@ typedef struct {
     double offset, w, a;
 } Reached;
 
-static void add(jounce_motion *m, double duration, double e, double w, double a) {
+static void add_seen(jounce_motion *m, double duration, double e, double w, double a) {
     jounce_add(m, duration, e, w, a, 0.0);
 }
 
@@ -42,8 +42,8 @@ static Reached at_command(double offset, double w, double a) {
  * sample's begin. */
 static void add_stop(jounce_motion *m, double begun, double top, double down, double dt) {
     double stopping = larger(top, 0.0) / down, left = dt - begun;
-    add(m, smaller(stopping, left), -0.5 * top * top / down, top, -down);
-    add(m, left - stopping, 0.0, 0.0, 0.0);
+    add_seen(m, smaller(stopping, left), -0.5 * top * top / down, top, -down);
+    add_seen(m, left - stopping, 0.0, 0.0, 0.0);
 }
 
 /* To the velocity bound, from either side of it; then cruise, slow down and stop. */
@@ -52,20 +52,20 @@ static Reached by_the_bound(jounce_motion *m, const Seen *s, double top) {
     if (w != top) {
         double change = w < top ? s->up : -s->down, t = (top - w) / change;
         if (t >= left) {
-            add(m, left, e, w, change);
+            add_seen(m, left, e, w, change);
             return moved((w + 0.5 * change * left) * left, w + change * left, change);
         }
-        add(m, t, e, w, change);
+        add_seen(m, t, e, w, change);
         gone = 0.5 * (w + top) * t;
         left -= t;
     }
     stop = -0.5 * top * top / s->down;
     if (e + gone + top * left <= stop) {
-        add(m, left, e + gone, top, 0.0);
+        add_seen(m, left, e + gone, top, 0.0);
         return moved(gone + top * left, top, 0.0);
     }
     cruise = top > 0.0 ? (stop - e - gone) / top : 0.0;
-    add(m, cruise, e + gone, top, 0.0);
+    add_seen(m, cruise, e + gone, top, 0.0);
     add_stop(m, s->dt - left + larger(cruise, 0.0), top, s->down, s->dt);
     w = top > 0.0 ? top - s->down * (left - cruise) : 0.0;
     return w > 0.0 ? moved(-0.5 * w * w / s->down - e, w, -s->down) : at_command(0.0, 0.0, 0.0);
@@ -80,17 +80,17 @@ static Reached rise_to(jounce_motion *m, const Seen *s, double beyond, double sl
         rise += w * w;
     }
     if (later <= top && (later <= 0.0 || later * later <= rise)) {
-        add(m, dt, e, w, up);
+        add_seen(m, dt, e, w, up);
         return moved((w + later) * (0.5 * dt), later, up);
     }
     if (w == top && e + w * (dt + w * (0.5 / down)) <= 0.0) {
-        add(m, dt, e, w, 0.0);
+        add_seen(m, dt, e, w, 0.0);
         return moved(w * dt, w, 0.0);
     }
     peak = square_root(rise);
     if (peak < top) {
         double t = smaller(larger((peak - w) / up, 0.0), dt);
-        add(m, t, e, w, up);
+        add_seen(m, t, e, w, up);
         add_stop(m, t, peak, down, dt);
         w = peak - down * (dt - (peak - w) / up);
         return w > 0.0 ? at_command(-w * w * (0.5 / down), w, -down) : at_command(0.0, 0.0, 0.0);
@@ -114,7 +114,7 @@ static Reached sample_by_speed(const Seen *s, double slack, jounce_motion *m) {
         r.a = -r.a;
         return r;
     }
-    add(m, s->dt, 0.0, 0.0, 0.0);
+    add_seen(m, s->dt, 0.0, 0.0, 0.0);
     return at_command(0.0, 0.0, 0.0);
 }
 

@@ -6,6 +6,7 @@
 #include "inside.c"
 #include "speed_profiles.c"
 #include "jerk_profiles.c"
+#include "families.c"
 #include "transfer.c"
 #include "follower.c"
 #include "lags.c"

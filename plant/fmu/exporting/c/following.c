@@ -12,27 +12,30 @@ typedef struct {
 } Cache;
 
 /* What is kept from one sample to the next: the state when it begins, its command, its bounds. */
+#define LARGEST 1.7976931348623157e308 /* a bound that is none */
+
 enum { X, V, A, J, COMMAND, SPEED, LIMITS, OMEGA = LIMITS + 6, FINISHED, LAGS };
 
-static jounce_follower follower_of(const State *s, double dt) {
-    const double *kept = s->memory + LIMITS;
-    jounce_follower follower = {{kept[0], kept[1], kept[2], kept[3], kept[4], kept[5]}, dt, PERIOD};
-    return follower;
-}
-
-/* What the bounds of a follower without a limit are. */
+/* A bound, where it is one. */
 static double or_none(double bound) {
     return magnitude(bound) >= LARGEST ? (bound > 0.0 ? INFINITE : -INFINITE) : bound;
 }
 
+static jounce_follower follower_of(const State *s, double dt) {
+    const double *kept = s->memory + LIMITS;
+    jounce_follower follower = {{or_none(kept[0]), or_none(kept[1]), or_none(kept[2]),
+                                 or_none(kept[3]), or_none(kept[4]), or_none(kept[5])},
+                                dt,
+                                PERIOD};
+    return follower;
+}
+
 static void take_bounds(State *s) {
-    double *kept = s->memory + LIMITS;
     int i;
     for (i = 0; i < 6; i++) {
-        kept[i] = i % 2 ? INFINITE : -INFINITE;
-    }
-    for (i = 0; i < 2 * ORDER; i++) {
-        kept[i] = or_none(s->value[V_VELOCITY_MIN + i]);
+        s->memory[LIMITS + i] = i < 2 * ORDER ? s->value[V_VELOCITY_MIN + i]
+                                : i % 2       ? LARGEST
+                                              : -LARGEST;
     }
 #if N_LAGS > 0
     s->memory[OMEGA] = TWO_PI * s->value[V_CORNER_HZ];
