@@ -1140,6 +1140,26 @@ static PyObject *follower_pieces(PyObject *object, PyObject *const *args, Py_ssi
     return list;
 }
 
+static PyObject *advance_lags(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    double lags[JOUNCE_MOST_LAGS], motion[4], tau, omega;
+    Py_ssize_t m, width;
+    (void)module;
+    if (!expect(count, 4, "advance_lags(lags, motion, tau, omega)")) {
+        return NULL;
+    }
+    m = plain_numbers(args[0], lags, JOUNCE_MOST_LAGS);
+    width = m < 0 ? -1 : plain_numbers(args[1], motion, 4);
+    if (width < 0 || !one_number(args[2], &tau) || !one_number(args[3], &omega)) {
+        return NULL;
+    }
+    if (m == 0 || width == 0) {
+        PyErr_SetString(PyExc_ValueError, "no lags, or no motion");
+        return NULL;
+    }
+    jounce_advance_lags(lags, (int)m, motion, (int)width - 1, tau, omega);
+    return tuple_of(lags, (int)m);
+}
+
 static PyMethodDef follower_methods[] = {
     {"step", FAST(follower_step), METH_FASTCALL,
      "step(state, command, command_velocity)\n--\n\nReturn the state one sample later, or the "
@@ -1174,6 +1194,9 @@ static PyType_Spec follower_spec = {
 /* --- the module ------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
+    {"advance_lags", FAST(advance_lags), METH_FASTCALL,
+     "advance_lags(lags, motion, tau, omega)\n--\n\nReturn lags a time tau after the motion had "
+     "the derivatives 0, 1, … given."},
     {"move", FAST(move), METH_FASTCALL,
      "move(distance, bounds)\n--\n\nReturn the fastest Motion from rest at 0 to rest, or the "
      "status."},

@@ -48,12 +48,17 @@ def whole(name: str, value: int, least: int, most: int) -> int:
     return number
 
 
+def range_error() -> ValueError:
+    """Return the error for a plan in numbers that no double holds."""
+    return ValueError(
+        "the duration or a state leaves the range of a double: choose distance and time units "
+        "nearer to the problem's own"
+    )
+
+
 def in_range(plan: Callable[[], _Result]) -> _Result:
     """Return plan(), its arithmetic errors told as numbers that leave the range of a double."""
     try:
         return plan()
     except ArithmeticError:
-        raise ValueError(
-            "the duration or a state leaves the range of a double: choose distance and time units "
-            "nearer to the problem's own"
-        ) from None
+        raise range_error() from None
