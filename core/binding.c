@@ -16,7 +16,7 @@ enum { LONG = 2048 }; /* points from which other threads may run meanwhile */
 typedef struct {
     PyObject *empty, *asarray, *ndarray, *number; /* numpy's; the last one float64 */
     PyObject *convert;                             /* {"order": "C"} */
-    PyObject *pieces, *motion;                     /* types */
+    PyObject *pieces, *motion, *follower;          /* types */
 } State;
 
 #define FAST(function) ((PyCFunction)(void (*)(void))(function))
@@ -900,9 +900,283 @@ static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssi
     Py_RETURN_NONE;
 }
 
+/* --- moves ------------------------------------------------------------------------------------- */
+
+static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    jounce_limits limits;
+    double distance;
+    Motion *self;
+    int order;
+    if (!expect(count, 2, "move(distance, bounds)") || !one_number(args[0], &distance)) {
+        return NULL;
+    }
+    order = plain_limits(args[1], &limits);
+    self = order != 0 ? new_motion(module, order) : NULL;
+    return self == NULL ? NULL
+                        : motion_or_status(self, jounce_move(distance, &limits, &self->motion));
+}
+
+/* --- followers ---------------------------------------------------------------------------------- */
+
+/* A state is position, velocity, acceleration[, jerk], then the lags of a jerk filter. */
+typedef struct {
+    PyObject_HEAD
+    jounce_follower follower;
+    double omega;
+    int order, lags;
+} Follower;
+
+enum { MOST_STATES = 4 + JOUNCE_MOST_LAGS };
+
+static PyObject *follower_new(PyTypeObject *type, PyObject *args, PyObject *names) {
+    PyObject *bounds;
+    jounce_limits limits;
+    double dt, period, omega;
+    Follower *self;
+    int lags, order;
+    if (names != NULL && PyDict_Size(names) > 0) {
+        PyErr_SetString(PyExc_TypeError, "Follower takes no keyword arguments");
+        return NULL;
+    }
+    if (!PyArg_ParseTuple(args, "Odddi:Follower", &bounds, &dt, &period, &omega, &lags)) {
+        return NULL;
+    }
+    order = plain_limits(bounds, &limits);
+    if (order == 0) {
+        return NULL;
+    }
+    if (!(dt > 0.0 && is_number(dt)) || !(period > 0.0) || lags < 0 || lags > JOUNCE_MOST_LAGS ||
+        (lags > 0 && !(omega > 0.0 && is_number(omega)))) {
+        PyErr_SetString(PyExc_ValueError, "Follower: dt, period or filter out of range");
+        return NULL;
+    }
+    self = (Follower *)PyType_GenericNew(type, NULL, NULL);
+    if (self != NULL) {
+        self->follower.limits = limits;
+        self->follower.dt = dt;
+        self->follower.period = period;
+        self->omega = omega;
+        self->order = order;
+        self->lags = lags;
+    }
+    return (PyObject *)self;
+}
+
+/* Go on by one sample, in place. */
+static jounce_status follow_on(const Follower *self, double command, double velocity,
+                               double *states) {
+    jounce_state state;
+    jounce_motion motion;
+    jounce_status status;
+    state.x = states[0];
+    state.v = states[1];
+    state.a = self->order == 3 ? states[2] : 0.0;
+    status = jounce_follow(&self->follower, &state, command, velocity, &motion);
+    if (status == JOUNCE_OK) {
+        states[0] = motion.end.x;
+        states[1] = motion.end.v;
+        states[2] = motion.end.a;
+        if (self->order == 3) {
+            states[3] = motion.count > 0 ? motion.pieces[motion.count - 1].j : 0.0;
+        }
+        jounce_lags_behind(states + self->order + 1, self->lags, &motion, self->follower.dt,
+                           self->omega);
+    }
+    return status;
+}
+
+static void put_out(const Follower *self, const double *states, double *out) {
+    jounce_lags_output(states + self->order + 1, self->lags, states, self->order, self->omega, out);
+}
+
+/* The full state, lags left out at rest at the position; 0 with an error set. */
+static int follower_state(const Follower *self, PyObject *given, double *states) {
+    int own = self->order + 1, i;
+    Py_ssize_t count = plain_numbers(given, states, MOST_STATES);
+    if (count < 0) {
+        return 0;
+    }
+    if (count < 1 || (count > own && count != own + self->lags)) {
+        PyErr_SetString(PyExc_ValueError, "a state of another length");
+        return 0;
+    }
+    for (i = (int)count; i < own; i++) {
+        states[i] = 0.0;
+    }
+    for (i = own; count <= own && i < own + self->lags; i++) {
+        states[i] = states[0];
+    }
+    for (i = 0; i < own + self->lags; i++) {
+        if (!is_number(states[i])) {
+            PyErr_SetString(PyExc_ValueError, "a state must be finite");
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static PyObject *tuple_of(const double *values, int count) {
+    PyObject *tuple = PyTuple_New(count);
+    int i;
+    for (i = 0; tuple != NULL && i < count; i++) {
+        PyObject *number = PyFloat_FromDouble(values[i]);
+        if (number == NULL) {
+            Py_CLEAR(tuple);
+        } else {
+            PyTuple_SetItem(tuple, i, number);
+        }
+    }
+    return tuple;
+}
+
+static PyObject *follower_step(PyObject *object, PyObject *const *args, Py_ssize_t count) {
+    const Follower *self = (Follower *)object;
+    double states[MOST_STATES], command, velocity;
+    jounce_status status;
+    if (!expect(count, 3, "step(state, command, command_velocity)") ||
+        !follower_state(self, args[0], states) || !one_number(args[1], &command) ||
+        !one_number(args[2], &velocity)) {
+        return NULL;
+    }
+    if (!is_number(command) || !is_number(velocity)) {
+        PyErr_SetString(PyExc_ValueError, "a command must be finite");
+        return NULL;
+    }
+    status = follow_on(self, command, velocity, states);
+    return status == JOUNCE_OK ? tuple_of(states, self->order + 1 + self->lags)
+                               : PyLong_FromLong((long)status);
+}
+
+static PyObject *follower_output(PyObject *object, PyObject *const *args, Py_ssize_t count) {
+    const Follower *self = (Follower *)object;
+    double states[MOST_STATES], out[4];
+    if (!expect(count, 1, "output(state)") || !follower_state(self, args[0], states)) {
+        return NULL;
+    }
+    put_out(self, states, out);
+    return tuple_of(out, self->order + 1);
+}
+
+/* Rows of the output, one column a sample; the status of the first sample that failed. */
+static jounce_status run_all(const Follower *self, const double *commands,
+                             const double *velocities, Py_ssize_t velocity_step, Py_ssize_t count,
+                             double *states, double *rows) {
+    double out[4];
+    Py_ssize_t k;
+    int i;
+    for (k = 0; k < count; k++) {
+        jounce_status status =
+            follow_on(self, commands[k], velocities[k * velocity_step], states);
+        if (status != JOUNCE_OK) {
+            return status;
+        }
+        put_out(self, states, out);
+        for (i = 0; i <= self->order; i++) {
+            rows[i * count + k] = out[i];
+        }
+    }
+    return JOUNCE_OK;
+}
+
+static PyObject *follower_run(PyObject *object, PyObject *const *args, Py_ssize_t given) {
+    const Follower *self = (Follower *)object;
+    double states[MOST_STATES];
+    jounce_status status;
+    Py_buffer views[3];
+    Wanted wanted[3];
+    Py_ssize_t count;
+    if (!expect(given, 4, "run(state, commands, command_velocities, rows)") ||
+        !follower_state(self, args[0], states)) {
+        return NULL;
+    }
+    count = PyObject_Size(args[1]);
+    if (count < 0) {
+        return NULL;
+    }
+    wanted[0] = doubles(args[1], count);
+    wanted[1] = doubles_for_all(args[2], 1, count);
+    wanted[2] = room(args[3], count * (self->order + 1));
+    if (!look_into(wanted, 3, views)) {
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    status = run_all(self, views[0].buf, views[1].buf, items(&views[1]) == 1 ? 0 : 1, count,
+                     states, views[2].buf);
+    Py_END_ALLOW_THREADS
+    release(views, 3);
+    return PyLong_FromLong((long)status);
+}
+
+/* The pieces of a sample: durations, then positions and derivatives when each begins. */
+static PyObject *follower_pieces(PyObject *object, PyObject *const *args, Py_ssize_t count) {
+    const Follower *self = (Follower *)object;
+    double states[MOST_STATES], command, velocity;
+    jounce_state state;
+    jounce_motion motion;
+    PyObject *list;
+    int i;
+    if (!expect(count, 3, "pieces(state, command, command_velocity)") ||
+        !follower_state(self, args[0], states) || !one_number(args[1], &command) ||
+        !one_number(args[2], &velocity)) {
+        return NULL;
+    }
+    state.x = states[0];
+    state.v = states[1];
+    state.a = self->order == 3 ? states[2] : 0.0;
+    if (jounce_follow(&self->follower, &state, command, velocity, &motion) != JOUNCE_OK) {
+        return PyLong_FromLong((long)JOUNCE_RANGE);
+    }
+    list = PyList_New(0);
+    for (i = 0; list != NULL && i < motion.count; i++) {
+        double row[4];
+        PyObject *piece;
+        row_of(&motion.pieces[i], self->order, row);
+        piece = Py_BuildValue("(dN)", motion.pieces[i].duration, tuple_of(row, self->order + 1));
+        if (piece == NULL || PyList_Append(list, piece) < 0) {
+            Py_CLEAR(list);
+        }
+        Py_XDECREF(piece);
+    }
+    return list;
+}
+
+static PyMethodDef follower_methods[] = {
+    {"step", FAST(follower_step), METH_FASTCALL,
+     "step(state, command, command_velocity)\n--\n\nReturn the state one sample later, or the "
+     "status."},
+    {"output", FAST(follower_output), METH_FASTCALL,
+     "output(state)\n--\n\nReturn position and derivatives that come out in a state."},
+    {"run", FAST(follower_run), METH_FASTCALL,
+     "run(state, commands, command_velocities, rows)\n--\n\nPut what comes out after each sample "
+     "in place, (order + 1, N); return the status."},
+    {"pieces", FAST(follower_pieces), METH_FASTCALL,
+     "pieces(state, command, command_velocity)\n--\n\nReturn the pieces of a sample, (duration, "
+     "row) each."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot follower_slots[] = {
+    {Py_tp_doc, "Follower(bounds, dt, period, omega, lags)\n--\n\nFollows commands one sample at "
+                "a time; an infinite period is none, no lags no filter."},
+    {Py_tp_new, (void *)follower_new},
+    {Py_tp_dealloc, (void *)let_go},
+    {Py_tp_methods, follower_methods},
+    {0, NULL},
+};
+
+static PyType_Spec follower_spec = {
+    .name = "jounce.core.binding.Follower",
+    .basicsize = sizeof(Follower),
+    .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_IMMUTABLETYPE,
+    .slots = follower_slots,
+};
+
 /* --- the module ------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
+    {"move", FAST(move), METH_FASTCALL,
+     "move(distance, bounds)\n--\n\nReturn the fastest Motion from rest at 0 to rest, or the "
+     "status."},
     {"transfer", FAST(transfer), METH_FASTCALL,
      "transfer(start, end, bounds)\n--\n\nReturn the fastest Motion between two states, or the "
      "status that says why there is none."},
@@ -935,7 +1209,9 @@ static int add_constants(PyObject *module) {
 static int add_types(PyObject *module, State *state) {
     state->pieces = PyType_FromModuleAndSpec(module, &pieces_spec, NULL);
     state->motion = PyType_FromModuleAndSpec(module, &motion_spec, NULL);
-    return state->pieces != NULL && state->motion != NULL &&
+    state->follower = PyType_FromModuleAndSpec(module, &follower_spec, NULL);
+    return state->pieces != NULL && state->motion != NULL && state->follower != NULL &&
+           PyModule_AddType(module, (PyTypeObject *)state->follower) == 0 &&
            PyModule_AddType(module, (PyTypeObject *)state->pieces) == 0 &&
            PyModule_AddType(module, (PyTypeObject *)state->motion) == 0;
 }
@@ -968,6 +1244,7 @@ static int traverse(PyObject *module, visitproc visit, void *arg) {
     Py_VISIT(state->convert);
     Py_VISIT(state->pieces);
     Py_VISIT(state->motion);
+    Py_VISIT(state->follower);
     return 0;
 }
 
@@ -980,6 +1257,7 @@ static int clear(PyObject *module) {
     Py_CLEAR(state->convert);
     Py_CLEAR(state->pieces);
     Py_CLEAR(state->motion);
+    Py_CLEAR(state->follower);
     return 0;
 }
 

@@ -318,7 +318,7 @@ static void keep(const jounce_profile *profile, jounce_profiles *found) {
 }
 
 /* A parameter beyond which the distance wanted is exceeded for good; 0 where there is none. */
-static int beyond(const jounce_family *f, int kind, double s, double infinite, double *far) {
+static int far_parameter(const jounce_family *f, int kind, double s, double infinite, double *far) {
     double step = infinite > 0.0 ? 1.0 : -1.0;
     while (magnitude(step) < 1e100) {
         jounce_profile profile = member(f, kind, s + step);
@@ -366,17 +366,6 @@ static jounce_profile between(const jounce_family *f, int kind, double s, double
     return profile;
 }
 
-static void sort(double *values, int count, int falling) {
-    int i, j;
-    for (i = 1; i < count; i++) {
-        double value = values[i];
-        for (j = i; j > 0 && (falling ? values[j - 1] < value : values[j - 1] > value); j--) {
-            values[j] = values[j - 1];
-        }
-        values[j] = value;
-    }
-}
-
 static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *found) {
     double low = smaller(arc->first, arc->last), high = larger(arc->first, arc->last);
     double turns[2], marks[4], s_before = 0.0, error_before = 0.0;
@@ -387,13 +376,17 @@ static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *foun
             marks[count++] = turns[i];
         }
     }
-    sort(marks + 1, count - 1, arc->last < arc->first);
+    if (count == 3 && (marks[1] > marks[2]) == (arc->first < arc->last)) {
+        double turn = marks[1];
+        marks[1] = marks[2];
+        marks[2] = turn;
+    }
     marks[count++] = arc->last;
     for (i = 0; i < count; i++) {
         double s = marks[i], error;
         jounce_profile profile;
         Travel there;
-        if (!is_finite(s) && !beyond(f, arc->kind, s_before, s, &s)) {
+        if (!is_finite(s) && !far_parameter(f, arc->kind, s_before, s, &s)) {
             return;
         }
         profile = member(f, arc->kind, s);
@@ -433,8 +426,65 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
+/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance. */
+static int cruising_there(const jounce_family *f, jounce_profile *profile) {
+    double v_max = f->task.v_max, rest, slack;
+    if (!cruising(f, profile)) {
+        return 0;
+    }
+    rest = f->task.distance - travel(f, profile).distance;
+    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + f->blur;
+    if (v_max <= 0.0) {
+        return magnitude(rest) <= slack;
+    }
+    profile->cruise = larger(rest, 0.0) / v_max;
+    profile->duration += profile->cruise;
+    return rest >= -slack;
+}
+
+/* Sort arcs by the durations with which they begin. */
+static void sort_arcs(const jounce_family *f, Arcs *arcs, double *durations) {
+    int i, k;
+    for (i = 0; i < arcs->count; i++) {
+        Arc arc = arcs->arcs[i];
+        double duration = member(f, arc.kind, arc.first).duration;
+        for (k = i; k > 0 && durations[k - 1] > duration; k--) {
+            durations[k] = durations[k - 1];
+            arcs->arcs[k] = arcs->arcs[k - 1];
+        }
+        durations[k] = duration;
+        arcs->arcs[k] = arc;
+    }
+}
+
+/* The durations grow along an arc, so that once a profile is found no arc that begins later holds
+ * a shorter one. */
+int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
+    double durations[MOST_ARCS];
+    jounce_profiles found;
+    jounce_profile profile;
+    Arcs arcs;
+    int i, k, any = 0;
+    find_arcs(f, &arcs);
+    sort_arcs(f, &arcs, durations);
+    for (i = 0; i < arcs.count && !(any && durations[i] >= best->duration); i++) {
+        found.count = 0;
+        on_arc(f, &arcs.arcs[i], &found);
+        for (k = 0; k < found.count; k++) {
+            if (!any || found.profiles[k].duration < best->duration) {
+                *best = found.profiles[k];
+                any = 1;
+            }
+        }
+    }
+    if (cruising_there(f, &profile) && (!any || profile.duration < best->duration)) {
+        *best = profile;
+        any = 1;
+    }
+    return any;
+}
+
 void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
-    double v_max = f->task.v_max;
     jounce_profile profile;
     Arcs arcs;
     int i;
@@ -443,16 +493,8 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     for (i = 0; i < arcs.count; i++) {
         on_arc(f, &arcs.arcs[i], found);
     }
-    if (cruising(f, &profile)) {
-        double rest = f->task.distance - travel(f, &profile).distance;
-        double slack = 4.0 * ROUNDING * magnitude(v_max) * profile.duration + f->blur;
-        if (v_max > 0.0 && rest >= -slack) {
-            profile.cruise = larger(rest, 0.0) / v_max;
-            profile.duration += profile.cruise;
-            keep(&profile, found);
-        } else if (v_max <= 0.0 && magnitude(rest) <= slack) {
-            keep(&profile, found);
-        }
+    if (cruising_there(f, &profile)) {
+        keep(&profile, found);
     }
 }
 

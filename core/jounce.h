@@ -85,6 +85,27 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
                                       const jounce_limits *limits, double duration,
                                       jounce_motion *motion);
 
+/* --- several axes (synchronize.c) --------------------------------------------------------------- */
+
+/* The shortest duration that lies in an interval of every axis; infinite where there is none. */
+double jounce_common_duration(const jounce_durations *possible, int axes);
+
+/* All axes take the shortest duration that every one of them can take. `possible` (one an axis)
+ * receives the durations, `motions` (one an axis) the plans, `failed` the axis that an error is
+ * about, -1 where it is about all of them together. */
+jounce_status jounce_synchronize(const jounce_state *starts, const jounce_state *ends,
+                                 const jounce_limits *limits, int axes,
+                                 jounce_durations *possible, jounce_motion *motions,
+                                 int *failed);
+
+/* --- moves: from rest to rest, starting at position 0 (move.c) --------------------------------- */
+
+/* Here the acceleration may be unbounded as well, where velocity is bounded: it then jumps. */
+jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion);
+
+/* Its duration alone, which costs less; NaN where there is no such move. */
+double jounce_move_duration(double distance, const jounce_limits *limits);
+
 /* --- followers (follower.c) ------------------------------------------------------------------ */
 
 typedef struct {
@@ -97,6 +118,22 @@ typedef struct {
  * end. */
 jounce_status jounce_follow(const jounce_follower *follower, const jounce_state *state,
                             double command, double command_velocity, jounce_motion *motion);
+
+/* --- equal first-order lags in series: a jerk filter (lags.c) ------------------------------------ */
+
+enum { JOUNCE_MOST_LAGS = 50 };
+
+/* Advance lags by tau behind a motion that has the derivatives 0 ... order given; order < 40. */
+void jounce_advance_lags(double *lags, int count, const double *motion, int order, double tau,
+                         double omega);
+
+/* Advance lags behind the first `duration` of a motion. */
+void jounce_lags_behind(double *lags, int count, const jounce_motion *motion, double duration,
+                        double omega);
+
+/* Position and derivatives 1 ... highest behind the lags; `motion` are those before them. */
+void jounce_lags_output(const double *lags, int count, const double *motion, int highest,
+                        double omega, double *out);
 
 /* --- evaluation of pieces of any order (pieces.c, evaluation.c) -------------------------------- */
 

@@ -6,6 +6,8 @@
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__) && defined(__FP_FAST_FMA)
+#pragma GCC optimize("fp-contract=off") /* it does not know the standard's pragma */
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)
 #endif
@@ -136,6 +138,58 @@ static inline double cube_root(double x) {
     }
     y = scaled(y, third);
     return x < 0.0 ? -y : y;
+}
+
+/* e^x, to about an ulp. */
+static inline double exponential(double x) {
+    double r, sum = 1.0;
+    int k, j;
+    if (!(x > -745.2)) {
+        return x != x ? x : 0.0;
+    }
+    if (x > 709.79) {
+        return INFINITE;
+    }
+    k = (int)(x * 1.4426950408889634 + (x < 0.0 ? -0.5 : 0.5));
+    r = (x - (double)k * 6.93147180369123816490e-01) - (double)k * 1.90821492927058770002e-10;
+    for (j = 14; j > 0; j--) {
+        sum = 1.0 + sum * r / (double)j;
+    }
+    return sum * power_of_two(k / 2) * power_of_two(k - k / 2);
+}
+
+/* x less the nearest multiple of p > 0, exactly; of two the even one, as IEEE 754 remainder. */
+static inline double nearest_remainder(double x, double p) {
+    double rest = magnitude(x), part = p;
+    int odd = 0;
+    if (!is_finite(rest)) {
+        return x - x;
+    }
+    while (part <= 0.5 * rest) {
+        part += part;
+    }
+    for (;;) {
+        odd = 0;
+        if (rest >= part) {
+            rest -= part;
+            odd = 1;
+        }
+        if (part <= p) {
+            break;
+        }
+        part *= 0.5;
+    }
+    if (rest > p - rest || (rest == p - rest && odd)) {
+        rest -= p;
+    }
+    return x < 0.0 ? -rest : rest;
+}
+
+/* x less the multiple of p > 0 next to it towards zero, exactly, as C's fmod. */
+static inline double truncated_remainder(double x, double p) {
+    double rest = nearest_remainder(magnitude(x), p);
+    rest = rest < 0.0 ? rest + p : rest;
+    return x < 0.0 ? -rest : rest;
 }
 
 #endif

@@ -4,15 +4,14 @@
  * The unit of time is about the longest of the times that distance, speeds and accelerations take
  * alone within each bound; that of distance the largest of what the state is worth in that time.
  * In these units a motion takes a few units of time. A bound far above all that such a motion can
- * reach never binds and is taken for none; one far above what matters (a ramp of 2^-60 of the
- * motion) makes the next lower derivative jump.
+ * reach never binds and is taken for none; a jerk 2^200 times what is needed for a change of the
+ * acceleration within that time lets the acceleration jump.
  */
 #include "task.h"
 
 enum { NOTHING = -100000 };
 
 #define FAR 1048576.0       /* 2^20: beyond all that is reached in a few units of time */
-#define AT_ONCE 1.152921504606847e18 /* 2^60 */
 #define STEEPEST_ACCELERATION 1.3292279957849159e36 /* 2^120 */
 #define STEEPEST_JERK 1.6069380442589903e60 /* 2^200 */
 
@@ -71,9 +70,10 @@ static void drop_far_bounds(jounce_task *t) {
     t->v_min = none_if_far(t->v_min, FAR);
     t->v_max = none_if_far(t->v_max, FAR);
     if (is_finite(steepest)) {
-        double power = larger(t->a_max, -t->a_min);
+        double power = larger(larger(t->a_max, -t->a_min),
+                              larger(magnitude(t->a0), magnitude(t->a1)));
         far = FAR * (1.0 + square_root(smaller(steepest, STEEPEST_JERK)));
-        if (power < far && smaller(t->rise, t->fall) > AT_ONCE * power) {
+        if (power < far && smaller(t->rise, t->fall) > STEEPEST_JERK * power) {
             t->rise = t->fall = INFINITE;
             t->a0 = t->a1 = 0.0;
         } else {

@@ -15,7 +15,7 @@
 
 static double least_of(const jounce_task *t) { return larger(t->v0, t->v1); }
 
-static jounce_profile timed(const jounce_task *t, double w, double rise, double cruise) {
+static jounce_profile speed_timed(const jounce_task *t, double w, double rise, double cruise) {
     double least = least_of(t);
     jounce_profile profile = {0};
     profile.duration =
@@ -39,7 +39,7 @@ void jounce_speed_family(const jounce_task *task, jounce_family *family) {
 
 static void found_at(const jounce_task *t, double w, double rise, double cruise,
                      jounce_profiles *found) {
-    found->profiles[found->count++] = timed(t, w, rise, cruise);
+    found->profiles[found->count++] = speed_timed(t, w, rise, cruise);
 }
 
 void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found) {
@@ -51,7 +51,7 @@ void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found)
     }
     missing = t->distance - travelled(t, least);
     fastest = larger(magnitude(t->v0), magnitude(t->v1));
-    slack = family->blur + ROUNDING * fastest * timed(t, least, 0.0, 0.0).duration;
+    slack = family->blur + ROUNDING * fastest * speed_timed(t, least, 0.0, 0.0).duration;
     if (magnitude(missing) <= slack) {
         found_at(t, least, 0.0, 0.0, found);
     }
@@ -81,16 +81,16 @@ void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found)
 int jounce_speed_lasting(const jounce_family *family, double duration, jounce_profile *profile) {
     const jounce_task *t = &family->task;
     double least = least_of(t), more, rise;
-    double shortest = timed(t, least, 0.0, 0.0).duration;
+    double shortest = speed_timed(t, least, 0.0, 0.0).duration;
     if (duration < shortest * (1.0 - ROUNDING)) {
         return 0;
     }
     more = larger(duration - shortest, 0.0);
     rise = more / (1.0 / t->a_max - 1.0 / t->a_min);
     if (least + rise <= t->v_max) {
-        *profile = timed(t, least + rise, rise, 0.0);
+        *profile = speed_timed(t, least + rise, rise, 0.0);
     } else {
-        *profile = timed(t, t->v_max, t->v_max - least, 0.0);
+        *profile = speed_timed(t, t->v_max, t->v_max - least, 0.0);
         profile->cruise = larger(duration - profile->duration, 0.0);
     }
     profile->duration = duration;
@@ -99,7 +99,7 @@ int jounce_speed_lasting(const jounce_family *family, double duration, jounce_pr
 
 int jounce_speed_edges(const jounce_family *family, double *durations) {
     const jounce_task *t = &family->task;
-    durations[0] = timed(t, least_of(t), 0.0, 0.0).duration;
+    durations[0] = speed_timed(t, least_of(t), 0.0, 0.0).duration;
     return 1;
 }
 

@@ -62,6 +62,10 @@ int jounce_change_leaves_bounds(const jounce_task *task, const jounce_change *ch
 void jounce_change_pieces(const jounce_task *task, const jounce_change *change, double x,
                           jounce_motion *motion);
 
+/* A transfer whose positions are known only to what they are worth in 2^-52 of `size` (transfer.c). */
+jounce_status jounce_approach(const jounce_state *start, const jounce_state *end,
+                              const jounce_limits *limits, double size, jounce_motion *motion);
+
 /* --- starts outside (inside.c) ---------------------------------------------------------------- */
 
 /* Bring the task's start to where its bounds can be kept for good; add the pieces of the way from
@@ -105,6 +109,9 @@ typedef struct {
 
 void jounce_jerk_family(const jounce_task *task, jounce_family *family);
 void jounce_jerk_solutions(const jounce_family *family, jounce_profiles *found);
+/* The shortest profile that covers the task's distance; 0 where there is none. */
+int jounce_jerk_shortest(const jounce_family *family, jounce_profile *best);
+
 int jounce_jerk_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_jerk_edges(const jounce_family *family, double *durations);
 double jounce_jerk_distance(const jounce_family *family, const jounce_profile *profile);
@@ -118,5 +125,39 @@ int jounce_speed_edges(const jounce_family *family, double *durations);
 double jounce_speed_distance(const jounce_family *family, const jounce_profile *profile);
 void jounce_speed_pieces(const jounce_family *family, const jounce_profile *profile, double start,
                          double end, jounce_motion *motion);
+
+/* The same, whether the jerk is bounded or not (families.c). */
+void jounce_make_family(const jounce_task *task, jounce_family *family);
+void jounce_solutions(const jounce_family *family, jounce_profiles *found);
+int jounce_shortest(const jounce_family *family, jounce_profile *best);
+int jounce_lasting(const jounce_family *family, double duration, jounce_profile *profile);
+int jounce_edges(const jounce_family *family, double *durations);
+double jounce_distance_of(const jounce_family *family, const jounce_profile *profile);
+void jounce_pieces_of(const jounce_family *family, const jounce_profile *profile, double start,
+                      double end, jounce_motion *motion);
+
+/* --- problems (transfer.c) ----------------------------------------------------------------------- */
+
+/* A transfer in its own units, its start brought inside. */
+typedef struct {
+    jounce_task whole, task; /* as asked, and what is left after the way inside */
+    jounce_units units;
+    double start, position, goal; /* of the whole, of the task, and the end */
+    jounce_motion way;            /* inside */
+} jounce_problem;
+
+/* Scale a problem to its own units; positions are known to 2^-52 of `size`. */
+void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
+                 double size, jounce_problem *problem);
+double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
+
+/* Bring its start inside. */
+void jounce_start_inside(jounce_problem *problem);
+
+/* Scale a plan back to the caller's units; it ends at `end`. */
+jounce_status jounce_finish(const jounce_problem *problem, const jounce_state *end,
+                            const jounce_limits *limits, jounce_motion *motion);
+
+void jounce_clear(jounce_motion *motion);
 
 #endif

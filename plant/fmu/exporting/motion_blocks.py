@@ -98,25 +98,23 @@ def _moving(unit: str, known: dict[str, str], highest: int) -> list[Variable]:
 
 
 def follower_block(follower: CommandFollower, name: str, unit: str) -> Block:
-    """Return a command follower of order 2 as a block with a fixed sample time."""
-    if follower.order != 2:
-        raise ValueError(
-            f"a command follower of order {follower.order} cannot be exported yet: expected "
-            "limits on velocity and acceleration only (a jerk filter may follow)"
-        )
+    """Return a command follower as a block with a fixed sample time."""
     lags = 0 if follower.jerk_filter is None else follower.jerk_filter.order
     limits = [
         _limit(f"{derivative_name(k)}_{side}", bound, rate(unit, k))
-        for k in (1, 2)
+        for k in range(1, follower.order + 1)
         for side, bound in zip(("min", "max"), follower.limits.bounds(k), strict=True)
     ]
     known = {"start_position": "dependent", "start_velocity": "dependent"}
     corner = [] if follower.jerk_filter is None else [_corner(follower.jerk_filter)]
     if corner:
         known["corner_hz"] = "dependent"
-    constants = {"SAMPLE_TIME": repr(follower.dt), "N_LAGS": str(lags)}
-    if follower.period is not None:
-        constants["PERIOD"] = repr(follower.period)
+    constants = {
+        "SAMPLE_TIME": repr(follower.dt),
+        "N_LAGS": str(lags),
+        "ORDER": str(follower.order),
+        "PERIOD": "INFINITE" if follower.period is None else repr(follower.period),
+    }
     return Block(
         name,
         "Command follower: keeps its limits whatever it is commanded, in minimum time",
@@ -127,11 +125,11 @@ def follower_block(follower: CommandFollower, name: str, unit: str) -> Block:
             sample_time_constant(follower.dt),
             signal("command", "Position to go to, taken over at every sample", unit),
             signal("command_velocity", "Velocity at which the command goes on", rate(unit, 1)),
-            *_moving(unit, known, 2),
+            *_moving(unit, known, follower.order),
         ),
-        "follower",
+        "following",
         constants=constants,
-        memory=11 + lags,
+        memory=14 + lags,
         sample_time=follower.dt,
         stop_time=_TICKS * follower.dt,
         step=follower.dt,

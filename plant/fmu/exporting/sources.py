@@ -7,19 +7,22 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+from .... import core
 from .blocks import MAX_DOUBLE, Block
 
 MAIN = "model.c"
 """The only file to compile: it includes all others, so that no name leaves it but FMI's own."""
 
-_FOLDER = Path(__file__).parent / "c"
+_FOLDERS = (Path(__file__).parent / "c", Path(core.__file__).parent)
+"""Of what is an FMU's own, and of the core that Python calls, too."""
+
 _HEADERS = {
     "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
 _WRAPPERS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 _PLAIN = re.compile(r"[A-Za-z0-9_{}()\[\]., -]")
-_INCLUDED = re.compile(r'^#include "(\w+\.c)"', re.MULTILINE)
+_INCLUDED = re.compile(r'^#include "(\w+\.[ch])"', re.MULTILINE)
 
 
 def sources_of(block: Block, fmi_version: str, token: str) -> dict[str, bytes]:
@@ -38,19 +41,25 @@ def sources_of(block: Block, fmi_version: str, token: str) -> dict[str, bytes]:
         Without the package fmpy, which brings the headers of FMI.
     """
     wrapper = _WRAPPERS[fmi_version]
-    parts = ["block.h", "numeric.c", f"{block.core}.c", "instance.c", "platform.c", wrapper]
+    parts = ["block.h", "numeric.h", f"{block.core}.c", "instance.c", "platform.c", wrapper]
     main = "\n".join(f'#include "{part}"' for part in parts)
     files = {
         MAIN: f"/* The whole FMU: compile this file alone. */\n\n{main}\n".encode(),
         "model.h": _constants(block, token).encode(),
     }
     for part in parts:
-        files[part] = (_FOLDER / part).read_bytes()
-        parts += _INCLUDED.findall(files[part].decode())
+        if part not in files and part not in _HEADERS[fmi_version]:
+            files[part] = _source(part)
+            parts += _INCLUDED.findall(files[part].decode())
     headers = _header_folder()
     for header in _HEADERS[fmi_version]:
         files[header] = (headers / header).read_bytes()
     return files
+
+
+def _source(name: str) -> bytes:
+    """Return a C file of an FMU or of the core."""
+    return next(folder / name for folder in _FOLDERS if (folder / name).exists()).read_bytes()
 
 
 def licences(fmi_version: str) -> dict[str, str]:
@@ -59,7 +68,7 @@ def licences(fmi_version: str) -> dict[str, str]:
     begin = header.index("Copyright (C)")
     notice = header[begin : header.index("*/", begin)]
     return {
-        "license.txt": (_FOLDER / "LICENSE.txt").read_text(encoding="utf-8"),
+        "license.txt": _source("LICENSE.txt").decode(),
         "fmi_headers.txt": "The headers sources/fmi*.h, from the FMI project:\n\n"
         + "\n".join(line.strip() for line in notice.splitlines()),
     }

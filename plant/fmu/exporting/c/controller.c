@@ -27,13 +27,14 @@ static void core_outputs(State *s, int running) {
     }
 }
 
-static void core_tick(State *s) {
+static const char *core_tick(State *s) {
     double e = s->value[V_R] - s->value[V_Y];
     control(s);
     s->value[V_E_INTEGRAL] += SAMPLE_TIME * e;
 #if !defined(MEASURED_RATE)
     s->value[V_E_PAST] = e;
 #endif
+    return NULL;
 }
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {

@@ -30,13 +30,14 @@ static void core_outputs(State *s, int running) {
     }
 }
 
-static void core_tick(State *s) {
+static const char *core_tick(State *s) {
     int i;
     weigh(s, N_STATES, N_OUTPUTS, s->value + V_OUTPUT);
     weigh(s, 0, N_STATES, s->memory);
     for (i = 0; i < N_STATES; i++) {
         s->value[V_STATE + i] = s->memory[i];
     }
+    return NULL;
 }
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {

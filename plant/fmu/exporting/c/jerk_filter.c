@@ -1,5 +1,6 @@
 /* Equal first-order lags in series, behind a command of constant acceleration during the step. */
 
+#include "pieces.c"
 #include "lags.c"
 
 #define TWO_PI 6.283185307179586
@@ -54,7 +55,8 @@ static void core_outputs(State *s, int running) {
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {
     (void)cache, (void)t;
-    advance_lags(s->value + V_LAG, s->value + V_COMMAND, h, TWO_PI * s->value[V_CORNER_HZ]);
+    jounce_advance_lags(s->value + V_LAG, N_LAGS, s->value + V_COMMAND, 2, h,
+                        TWO_PI * s->value[V_CORNER_HZ]);
     return NULL;
 }
 

@@ -14,14 +14,18 @@ static double tick_time(const State *s, int64_t tick) {
     return s->start + (double)tick * SAMPLE_TIME;
 }
 
-static void core_tick(State *s);
+/* Returns what went wrong, or NULL. */
+static const char *core_tick(State *s);
 
 static const char *run_ticks(State *s, double end, double h) {
     if ((end - tick_time(s, s->ticks)) / SAMPLE_TIME > MOST_TICKS) {
         return "the step holds more than 1e9 samples: use a shorter one";
     }
     while (tick_time(s, s->ticks) < end - tick_slack(h)) {
-        core_tick(s);
+        const char *problem = core_tick(s);
+        if (problem) {
+            return problem;
+        }
         s->ticks += 1;
     }
     return NULL;

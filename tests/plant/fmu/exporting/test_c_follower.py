@@ -18,8 +18,8 @@ DT = 0.01
 
 DRIVER = """
 #include "block.h"
-#include "numeric.c"
-#include "follower.c"
+#include "numeric.h"
+#include "following.c"
 void drive(long n, const double *commands, const double *velocities, double *rows) {
     State s = {{0}, {0}, 0.0, -1.0, 0.0, 0, STEPPING};
     Cache cache = {0};

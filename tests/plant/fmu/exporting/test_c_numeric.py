@@ -13,7 +13,7 @@ pytestmark = needs_compiler
 
 DRIVER = """
 #include "block.h"
-#include "numeric.c"
+#include "numeric.h"
 double root(double x) { return square_root(x); }
 double power(double x) { return exponential(x); }
 double nearest(double x, double p) { return nearest_remainder(x, p); }

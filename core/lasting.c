@@ -1,0 +1,259 @@
+/* Transfers of a given duration: to one velocity, along at it, and to the end's; or a weighted mean
+ * of the motions that go furthest up and furthest down in this time.
+ */
+#include "task.h"
+
+enum { MOST_ITERATIONS = 200 };
+
+typedef struct {
+    jounce_task to, from; /* to the velocity kept, and from it to the end's */
+    jounce_change first, last;
+    double cruise, error; /* of the distance; NaN where the changes take too long */
+} Cruise;
+
+static double nan_value(void) { return INFINITE - INFINITE; }
+
+static int is_nan(double x) { return x != x; }
+
+static Cruise cruise_at(const jounce_task *task, double velocity, double duration) {
+    Cruise c;
+    c.to = c.from = *task;
+    c.to.v1 = c.from.v0 = velocity;
+    c.to.a1 = c.from.a0 = 0.0;
+    c.first = jounce_change_velocity(&c.to);
+    c.last = jounce_change_velocity(&c.from);
+    c.cruise = duration - c.first.duration - c.last.duration;
+    if (c.cruise < -ROUNDING * duration || jounce_change_leaves_bounds(&c.from, &c.last)) {
+        c.error = nan_value();
+    } else {
+        c.error = c.first.distance + c.last.distance + velocity * c.cruise - task->distance;
+    }
+    return c;
+}
+
+/* The velocity reached when acceleration goes to zero as fast as it can. */
+static double settling(double velocity, double acceleration, const jounce_task *task) {
+    double jerk = acceleration > 0.0 ? task->fall : -task->rise;
+    double gain = acceleration != 0.0 ? 0.5 * acceleration * acceleration / jerk : 0.0;
+    return clamp(velocity + gain, task->v_min, task->v_max);
+}
+
+typedef struct {
+    double velocity, error;
+} Trial;
+
+static Trial trial(const jounce_task *task, double velocity, double duration) {
+    Trial result;
+    result.velocity = velocity;
+    result.error = cruise_at(task, velocity, duration).error;
+    return result;
+}
+
+/* A velocity towards a bound at which the error has changed sign, or is not known. */
+static Trial trial_towards(const jounce_task *task, double velocity, double bound, double duration) {
+    double step = larger(magnitude(velocity), 1.0), before;
+    int i;
+    if (is_finite(bound)) {
+        return trial(task, bound, duration);
+    }
+    step = bound > 0.0 ? step : -step;
+    before = trial(task, velocity, duration).error;
+    for (i = 0; i < 1000; i++) {
+        if (!(trial(task, velocity + step, duration).error * before > 0.0)) {
+            break;
+        }
+        step *= 2.0;
+    }
+    return trial(task, velocity + step, duration);
+}
+
+/* Where an increasing error is nearest to zero; at one end it may be NaN (far). */
+static Trial bracketed(const jounce_task *task, double duration, Trial low, Trial high) {
+    Trial best = low;
+    int unknown_is_high = is_nan(high.error), k;
+    if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
+        best = high;
+    }
+    for (k = 0; k < MOST_ITERATIONS; k++) {
+        double middle = 0.5 * (low.velocity + high.velocity);
+        Trial at;
+        if (k % 3 != 0 && !is_nan(low.error + high.error) && high.error > low.error) {
+            double secant = low.velocity - low.error * (high.velocity - low.velocity) /
+                                               (high.error - low.error);
+            if (low.velocity < secant && secant < high.velocity) {
+                middle = secant;
+            }
+        }
+        if (!(low.velocity < middle && middle < high.velocity)) {
+            break;
+        }
+        at = trial(task, middle, duration);
+        if (is_nan(at.error)) {
+            if (unknown_is_high) {
+                high = at;
+            } else {
+                low = at;
+            }
+            continue;
+        }
+        if (magnitude(at.error) < magnitude(best.error)) {
+            best = at;
+        }
+        if (at.error == 0.0) {
+            break;
+        }
+        if (at.error < 0.0) {
+            low = at;
+        } else {
+            high = at;
+        }
+    }
+    return best;
+}
+
+/* The velocity to cruise at so as to cover the distance in the duration; 0 where none suits. */
+static int cruising_velocity(const jounce_task *task, double duration, double *velocity) {
+    double speed = larger(magnitude(task->v0), magnitude(task->v1));
+    double slack =
+        task->resolution + 64.0 * ROUNDING * (magnitude(task->distance) + speed * duration);
+    Trial nearest[2], low = {0, 0}, high = {0, 0}, best;
+    int have_low = 0, have_high = 0, i;
+    nearest[0] = trial(task, settling(task->v0, task->a0, task), duration);
+    nearest[1] = trial(task, settling(task->v1, -task->a1, task), duration);
+    for (i = 0; i < 2; i++) {
+        Trial at = nearest[i];
+        if (is_nan(at.error)) {
+            continue;
+        }
+        if (at.error <= 0.0 && (!have_low || at.velocity > low.velocity)) {
+            low = at;
+            have_low = 1;
+        }
+        if (at.error >= 0.0 && (!have_high || at.velocity < high.velocity)) {
+            high = at;
+            have_high = 1;
+        }
+    }
+    if (!have_low && !have_high) {
+        return 0;
+    }
+    if (!have_low) {
+        low = trial_towards(task, high.velocity, task->v_min, duration);
+    } else if (!have_high) {
+        high = trial_towards(task, low.velocity, task->v_max, duration);
+    }
+    if (is_nan(low.error) && is_nan(high.error)) {
+        return 0;
+    }
+    best = bracketed(task, duration, low, high);
+    *velocity = best.velocity;
+    return magnitude(best.error) <= slack;
+}
+
+static int by_cruising(const jounce_task *task, double duration, double start, double end,
+                       jounce_motion *motion) {
+    double velocity;
+    Cruise c;
+    if (!cruising_velocity(task, duration, &velocity)) {
+        return 0;
+    }
+    c = cruise_at(task, velocity, duration);
+    jounce_change_pieces(&c.to, &c.first, start, motion);
+    jounce_add(motion, c.cruise, start + c.first.distance, velocity, 0.0, 0.0);
+    jounce_change_pieces(&c.from, &c.last, end - c.last.distance, motion);
+    return 1;
+}
+
+/* Go on by a time within a piece. */
+static void go_on(jounce_piece *piece, double time) {
+    double x[4];
+    x[0] = piece->x;
+    x[1] = piece->v;
+    x[2] = piece->a;
+    x[3] = piece->j;
+    piece->duration -= time;
+    piece->x = jounce_taylor(x, 3, 0, time);
+    piece->v = jounce_taylor(x, 3, 1, time);
+    piece->a = jounce_taylor(x, 3, 2, time);
+}
+
+/* Add the motion weight first + (1 - weight) second. */
+static void add_mean(const jounce_motion *first, const jounce_motion *second, double weight,
+                     jounce_motion *motion) {
+    double w = 1.0 - weight;
+    jounce_piece one, other;
+    int i = 0, k = 0;
+    if (first->count == 0 || second->count == 0) {
+        return;
+    }
+    one = first->pieces[0];
+    other = second->pieces[0];
+    for (;;) {
+        double t = one.duration <= other.duration * (1.0 + ROUNDING) ? one.duration
+                                                                     : other.duration;
+        int one_ends = one.duration <= t * (1.0 + ROUNDING);
+        int other_ends = other.duration <= t * (1.0 + ROUNDING);
+        jounce_add(motion, t, weight * one.x + w * other.x, weight * one.v + w * other.v,
+                   weight * one.a + w * other.a, weight * one.j + w * other.j);
+        if ((one_ends && ++i >= first->count) || (other_ends && ++k >= second->count)) {
+            return;
+        }
+        if (one_ends) {
+            one = first->pieces[i];
+        } else {
+            go_on(&one, t);
+        }
+        if (other_ends) {
+            other = second->pieces[k];
+        } else {
+            go_on(&other, t);
+        }
+    }
+}
+
+/* A weighted mean of the motions that go furthest up and furthest down in a time, which keeps
+ * every bound as they do. */
+static int by_mean(const jounce_task *task, double duration, double start, jounce_motion *motion) {
+    jounce_task mirrored = jounce_mirrored(task);
+    jounce_profile highest, lowest;
+    jounce_motion above, below;
+    jounce_family up, down;
+    double top, bottom, slack, weight;
+    jounce_make_family(task, &up);
+    jounce_make_family(&mirrored, &down);
+    if (!jounce_lasting(&up, duration, &highest) || !jounce_lasting(&down, duration, &lowest)) {
+        return 0;
+    }
+    top = jounce_distance_of(&up, &highest);
+    bottom = -jounce_distance_of(&down, &lowest);
+    slack = up.blur + 16.0 * ROUNDING * (magnitude(top) + magnitude(bottom) + duration);
+    if (task->distance < bottom - slack || task->distance > top + slack) {
+        return 0;
+    }
+    weight = top > bottom ? (task->distance - bottom) / (top - bottom) : 1.0;
+    jounce_clear(&above);
+    jounce_clear(&below);
+    jounce_pieces_of(&up, &highest, start, start + top, &above);
+    jounce_pieces_of(&down, &lowest, -start, -start - bottom, &below);
+    jounce_turn(&below, 0);
+    add_mean(&above, &below, clamp(weight, 0.0, 1.0), motion);
+    return 1;
+}
+
+jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_state *end,
+                                      const jounce_limits *limits, double duration,
+                                      jounce_motion *motion) {
+    jounce_problem p;
+    double left;
+    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), &p);
+    jounce_start_inside(&p);
+    left = scaled(duration, -p.units.time) - p.way.duration;
+    *motion = p.way;
+    if (!by_cruising(&p.task, left, p.position, p.goal, motion)) {
+        *motion = p.way;
+        if (!by_mean(&p.task, left, p.position, motion)) {
+            return JOUNCE_NO_DURATION;
+        }
+    }
+    return jounce_finish(&p, end, limits, motion);
+}
