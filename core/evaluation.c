@@ -11,6 +11,16 @@ enum { TILE = 64, SHORT = 8 };
 
 #define LARGEST 1.7976931348623157e308
 
+/* Compiled twice, for the processor's wider registers too: the bits are the same. */
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__has_attribute)
+#if __has_attribute(target_clones)
+#define WIDE __attribute__((target_clones("avx2", "default")))
+#endif
+#endif
+#ifndef WIDE
+#define WIDE
+#endif
+
 static const double INVERSE_FACTORIAL[JOUNCE_MOST_ORDER + 1] = {
     1.0, 1.0, 0.5, 0.16666666666666666, 0.041666666666666664, 0.008333333333333333,
     0.001388888888888889, 0.0001984126984126984, 2.48015873015873e-05, 2.7557319223985893e-06,
@@ -68,16 +78,52 @@ static Span find(const jounce_pieces *p, const Span *before, double t) {
     return span(p, search(p, t));
 }
 
-static void a_tile(const double *restrict c, int degree, const double *restrict tau,
-                   double *restrict value) {
-    int i, j;
+static uint64_t bits_of(double x) {
+    jounce_bits both;
+    both.number = x;
+    return both.bits;
+}
+
+/* A whole tile of times since the start of a piece; 0 unless all lie within low <= t < high. Signs
+ * of differences tell, which a processor takes several at a time; NaN and infinity fail too. */
+WIDE static int whole_tile(const Span *s, const double *restrict t, double *restrict tau) {
+    double low = s->low, high = smaller(s->high, LARGEST), origin = s->origin;
+    double longest = s->longest;
+    uint64_t before = 0, inside = ~(uint64_t)0;
+    int i;
     for (i = 0; i < TILE; i++) {
-        value[i] = c[degree];
+        before |= bits_of(t[i] - low);
+        inside &= bits_of(t[i] - high);
+        tau[i] = smaller(t[i] - origin, longest);
     }
-    for (j = degree - 1; j >= 0; j--) {
-        double term = c[j];
+    return before >> 63 == 0 && inside >> 63 == 1;
+}
+
+/* Horner's rule on a tile, two powers at a time. */
+WIDE static void a_tile(const double *restrict c, int degree, const double *restrict tau,
+                        double *restrict value) {
+    int i, j = degree - 1;
+    double top = c[degree], next = degree > 0 ? c[degree - 1] : 0.0, last;
+    if (degree == 0) {
         for (i = 0; i < TILE; i++) {
-            value[i] = value[i] * tau[i] + term;
+            value[i] = top;
+        }
+    } else if (degree % 2 != 0) {
+        for (i = 0; i < TILE; i++) {
+            value[i] = top * tau[i] + next;
+        }
+    } else {
+        j--;
+        last = c[j];
+        for (i = 0; i < TILE; i++) {
+            value[i] = (top * tau[i] + next) * tau[i] + last;
+        }
+    }
+    for (j--; j > 0; j -= 2) {
+        next = c[j];
+        last = c[j - 1];
+        for (i = 0; i < TILE; i++) {
+            value[i] = (value[i] * tau[i] + next) * tau[i] + last;
         }
     }
 }
@@ -118,6 +164,9 @@ static void on_piece(const double *state, int order, int k, const double *tau, s
 /* The times from t on that lie in a span, at most a tile, as times since its start. */
 static size_t run(const Span *s, const double *t, size_t left, double *tau) {
     size_t most = left < TILE ? left : TILE, n;
+    if (left >= TILE && whole_tile(s, t, tau)) {
+        return TILE;
+    }
     for (n = 0; n < most && holds(s, t[n]); n++) {
         tau[n] = smaller(t[n] - s->origin, s->longest);
     }

@@ -16,6 +16,9 @@ RealArray = NDArray[np.floating[Any]]
 MAX_ORDER = 40
 """Highest polynomial order handled: beyond it (order)! leaves the useful range of a double."""
 
+MAX_SAMPLES = 10**9
+"""Longest time grid."""
+
 INVERSE_FACTORIALS = np.array([1.0 / factorial(j) for j in range(MAX_ORDER + 2)])
 
 _BISECTIONS = 40  # locates a stationary point to 1e-12 of its piece, its value to 1e-24
@@ -75,23 +78,6 @@ def _factors(n: int, first: int, count: int) -> tuple[FloatArray, ...]:
         k = np.arange(first, min(j + 1, first + count))
         columns.append(INVERSE_FACTORIALS[j - k][:, None])
     return tuple(columns)
-
-
-def evaluate_sorted(
-    state: FloatArray, tau: FloatArray, derivatives: range, out: FloatArray
-) -> None:
-    """Evaluate a single piece at many points into `out`, one row per derivative."""
-    n = len(state) - 1
-    for row, k in zip(out, derivatives, strict=True):
-        coefficients = state[k:] * INVERSE_FACTORIALS[: n - k + 1]
-        if n == k:
-            row[:] = coefficients[0]
-            continue
-        np.multiply(tau, coefficients[-1], out=row)
-        row += coefficients[-2]
-        for coefficient in coefficients[-3::-1]:
-            row *= tau
-            row += coefficient
 
 
 def extrema(durations: RealArray, rows: RealArray) -> tuple[FloatArray, FloatArray]:

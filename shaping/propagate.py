@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .derivatives import derivative_name
-from .evaluation import MAX_SAMPLES
-from .pieces import INVERSE_FACTORIALS, FloatArray, evaluate
+from .pieces import INVERSE_FACTORIALS, MAX_SAMPLES, FloatArray, evaluate
 from .trajectory import Trajectory
 
 _BLOCK = 256  # samples found by one matrix product

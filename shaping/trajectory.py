@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..core.binding import Pieces
 from .checks import finite, in_range, positive
 from .derivatives import derivative_name, derivative_number
-from .evaluation import MAX_SAMPLES, Evaluator
 from .limits import Limits
-from .pieces import FloatArray, advance, evaluate, extrema
+from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
 from .trajectory_checks import check_shapes, check_times, finite_array
 
 if TYPE_CHECKING:
@@ -165,10 +165,7 @@ class Trajectory:
         float or array of the shape of t
             At a break the value just after it.
         """
-        k = derivative_number(derivative)
-        if k > self.order:
-            return np.zeros(np.shape(t))[()]
-        return np.asarray(self._evaluator(t, range(k, k + 1))[0])[()]
+        return self._pieces.at(t, derivative_number(derivative))
 
     def evaluate(
         self, t: ArrayLike, highest: int | str | None = None, out: FloatArray | None = None
@@ -191,7 +188,7 @@ class Trajectory:
         k = self.order if highest is None else derivative_number(highest)
         if k > self.order:
             raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
-        return self._evaluator(t, range(k + 1), out)
+        return self._pieces.up_to(t, k, out)
 
     def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Sample position and all derivatives at a fixed interval, both ends included.
@@ -470,12 +467,20 @@ class Trajectory:
                 raise ValueError("the result leaves the range of a double")
         return Trajectory.from_arrays(breaks, states, self.durations, end_state, self.coasting)
 
+    def __getstate__(self) -> dict[str, object]:
+        return {name: value for name, value in vars(self).items() if name != "_pieces"}
+
+    def __setstate__(self, fields: dict[str, object]) -> None:
+        self.__dict__.update(fields)
+        for array in (self.breaks, self.states, self.durations, self.end_state):
+            array.flags.writeable = False
+
     @cached_property
-    def _evaluator(self) -> Evaluator:
-        outside = np.array([self.start_state, self.end_state])
-        outside[:, self.coasting + 1 :] = 0.0
-        states = np.vstack([outside[:1], self.states, outside[1:]])
-        return Evaluator(self.breaks, states, self.durations)
+    def _pieces(self) -> Pieces:
+        breaks, states, durations, end = map(
+            np.ascontiguousarray, (self.breaks, self.states, self.durations, self.end_state)
+        )
+        return Pieces(breaks, states, durations, end, self.coasting)
 
 
 def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..checks import positive
 from ..derivatives import derivative_number
-from ..evaluation import MAX_SAMPLES
-from ..pieces import FloatArray, extrema
+from ..pieces import MAX_SAMPLES, FloatArray, extrema
 from ..trajectory import Trajectory, point
 from . import plans
 from .blocks import Moves, blocks, spoilt_bound, spoilt_text

@@ -1,6 +1,8 @@
 """Trajectory: evaluation against scipy and mpmath, exact extremes, the algebra as functions."""
 
+import copy
 import dataclasses
+import pickle
 import re
 from math import inf, nan, sqrt
 
@@ -678,3 +680,18 @@ def test_pieces_below_the_clocks_resolution_survive():
     t = 1e9 + np.linspace(-1.0, 6.0, 20_001)
     assert np.abs(late(t, "acceleration")).max() <= 1.0 + 1e-12
     assert late(t).max() <= 3.0 + 1e-6
+
+
+@pytest.mark.parametrize(
+    "again",
+    [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))],
+    ids=["copy", "deepcopy", "pickle"],
+)
+def test_a_copy_is_the_same_function_and_frozen_too(again):
+    move = min_time_move(1.0, Limits(1.0, 2.0, 5.0))
+    times = np.linspace(-0.5, 3.0, 50)
+    values = move(times)
+    twin = again(move)
+    np.testing.assert_array_equal(twin(times), values)
+    for name in ("breaks", "states", "durations", "end_state"):
+        assert not getattr(twin, name).flags.writeable
