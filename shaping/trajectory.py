@@ -167,7 +167,7 @@ class Trajectory:
         """
         k = derivative_number(derivative)
         if k > self.order:
-            return np.zeros(np.shape(t))[()]
+            return np.zeros(finite_array("t", t).shape)[()]
         return np.asarray(self._evaluator(t, range(k, k + 1))[0])[()]
 
     def evaluate(
@@ -353,7 +353,8 @@ class Trajectory:
         ValueError
             For a time before the start.
         """
-        if not self.start_time <= finite("time", time):
+        time = finite("time", time)
+        if time < self.start_time:
             raise ValueError(
                 f"time = {time!r} is before the start: expected at least {self.start_time!r}"
             )
@@ -399,7 +400,8 @@ class Trajectory:
         ValueError
             Where a derivative would jump that does not jump in either part.
         """
-        if not 0.0 <= dwell < np.inf:
+        dwell = finite("dwell", dwell)
+        if dwell < 0.0:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
         n = max(self.order, following.order)
         if dwell > 0.0:

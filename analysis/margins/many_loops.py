@@ -243,8 +243,6 @@ def servo_margins(
 
 
 def _coefficients(name: str, given: ArrayLike) -> Real:
-    if np.iscomplexobj(given):
-        raise TypeError(f"{name} is complex: expected real coefficients")
     rows = np.atleast_1d(finite_array(name, given))
     if not rows.shape[-1]:
         raise ValueError(f"{name} of shape {rows.shape} has no coefficients along its last axis")

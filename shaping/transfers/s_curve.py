@@ -82,10 +82,8 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        if finite("time", time) < self.start_time:
-            before = _waiting(self, time)
-        else:
-            before = self.until(time)
+        time = finite("time", time)
+        before = _waiting(self, time) if time < self.start_time else self.until(time)
         given = {
             "velocity": velocity,
             "acceleration": acceleration,
@@ -117,8 +115,7 @@ class SCurveMove(Trajectory):
             Time in between, coasting at this move's final velocity.
         """
         goal = finite("target", target) + (float(self.end_state[0]) if relative else 0.0)
-        if not finite("delay", delay) >= 0.0:
-            raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
+        delay = _delay(delay)
         before = self.until(self.end_time + delay)
         x, v, a = before.end_state[:3].tolist()
         plan = _planned((x, v, a), goal, self.settings)
@@ -206,8 +203,7 @@ def s_curve_move(
     )
     if dt is not None:
         dt = positive("dt", dt)
-    if not finite("delay", delay) >= 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
+    delay = _delay(delay)
     begin = checked_state("start", start, Limits(jerk=1.0))
     goal = finite("target", target) + (begin[0] if relative else 0.0)
     if jerk_percent is not None and begin[2] != 0.0:
@@ -234,11 +230,12 @@ def _rates(
     deceleration = positive("deceleration", deceleration)
     if jerk_percent is not None:
         _check_no_jerk(acceleration_jerk, deceleration_jerk, jerk_percent)
-        if not 0.0 <= finite("jerk_percent", jerk_percent) <= 1.0:
+        jerk_percent = finite("jerk_percent", jerk_percent)
+        if not 0.0 <= jerk_percent <= 1.0:
             raise ValueError(
                 f"jerk_percent = {jerk_percent!r}: expected 0 to 1, such as 0.5 for 50 %"
             )
-        return Rates(velocity, acceleration, deceleration, inf, inf, float(jerk_percent))
+        return Rates(velocity, acceleration, deceleration, inf, inf, jerk_percent)
     if acceleration_jerk is None:
         raise ValueError("no jerk given: expected acceleration_jerk or jerk_percent")
     if deceleration_jerk is None:
@@ -252,6 +249,13 @@ def _rates(
     )
 
 
+def _delay(delay: float) -> float:
+    checked = finite("delay", delay)
+    if checked < 0.0:
+        raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
+    return checked
+
+
 def _check_no_jerk(
     acceleration_jerk: float | None, deceleration_jerk: float | None, percent: float
 ) -> None:
@@ -260,12 +264,13 @@ def _check_no_jerk(
 
 
 def _final(final_velocity: float, rates: Rates) -> float:
-    if abs(finite("final_velocity", final_velocity)) > rates.velocity:
+    final_velocity = finite("final_velocity", final_velocity)
+    if abs(final_velocity) > rates.velocity:
         raise ValueError(
             f"final_velocity = {final_velocity!r}: expected at most the velocity, "
             f"{rates.velocity!r}, either way"
         )
-    return float(final_velocity)
+    return final_velocity
 
 
 def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:
