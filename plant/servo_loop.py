@@ -10,6 +10,7 @@ import numpy as np
 
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import finite, positive
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
@@ -92,7 +93,7 @@ class LoopResponse:
 
 
 @dataclass(frozen=True)
-class ServoLoop:
+class ServoLoop(Frozen):
     """A plant under feedback, with feedforward of the command's acceleration.
 
         y/r = g·(k + f)/(1 + g·k)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .checks import finite, in_range, positive
 from .derivatives import derivative_name, derivative_number
 from .evaluation import MAX_SAMPLES, Evaluator
+from .frozen import Frozen
 from .limits import Limits
 from .pieces import FloatArray, advance, evaluate, extrema
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Frozen):
     """Position as a piecewise polynomial in Taylor form.
 
     On piece i, with τ = t − breaks[i],

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..derivatives import DERIVATIVE_NAMES, derivative_name, derivative_number
+from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import MAX_ORDER, FloatArray
 from ..real_numbers import real_array, shown
@@ -24,7 +25,7 @@ LimitsOfMany = Limits | Mapping[Any, Any] | ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
-class ManyLimits:
+class ManyLimits(Frozen):
     """Bounds −falling_k ≤ x^(k) ≤ rising_k of many moves, positive arrays or numbers (0-d).
 
     Where the bounds of a derivative are equal both ways the two are the same array.

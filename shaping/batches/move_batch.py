@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..checks import positive
 from ..derivatives import derivative_number
 from ..evaluation import MAX_SAMPLES
+from ..frozen import Frozen
 from ..pieces import FloatArray, extrema
 from ..real_numbers import real_array
 from ..trajectory import Trajectory, point, within_range
@@ -37,7 +38,7 @@ class MovePieces(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MoveBatch:
+class MoveBatch(Frozen):
     """Fastest closed-form moves of N distances.
 
     `batch[i]` is move i as a `Trajectory`, and a slice, a mask or any other index of numpy makes

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import in_range
 from ..derivatives import derivative_name
+from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..real_numbers import real_array
@@ -27,7 +28,7 @@ _CHUNK = 4096  # problems whose arrays stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
-class TransferBatch:
+class TransferBatch(Frozen):
     """Minimum-time transfers of N problems.
 
     Attributes

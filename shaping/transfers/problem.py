@@ -29,16 +29,16 @@ class Transfer(Trajectory):
 
     Attributes
     ----------
-    limits : Limits
-        Those it was planned with.
+    limits : Limits, optional
+        Those it was planned with; None where it was made from arrays.
     inside_after : float
         Time from its start after which every limit holds for good. Zero where the start can
         keep the limits; else the time that bringing it inside takes, during which `violation`
         reports the excess.
     """
 
-    limits: Limits
-    inside_after: float
+    limits: Limits | None = None
+    inside_after: float = 0.0
 
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""

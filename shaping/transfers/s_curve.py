@@ -36,15 +36,15 @@ class SCurveMove(Trajectory):
 
     Attributes
     ----------
-    settings : SCurveSettings
-        What its last part was planned with.
+    settings : SCurveSettings, optional
+        What its last part was planned with; None where it was made from arrays.
     remarks : tuple of str
         Jerks outside the range of sense, a²/v ≤ jerk ≤ a/dt, and what comes of it; a velocity
         beyond its bound that the last plan had to bring down.
     """
 
-    settings: SCurveSettings
-    remarks: tuple[str, ...]
+    settings: SCurveSettings | None = None
+    remarks: tuple[str, ...] = ()
 
     def modify(
         self,
@@ -82,7 +82,7 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        time = finite("time", time)
+        known, time = self._known(), finite("time", time)
         before = _waiting(self, time) if time < self.start_time else self.until(time)
         given = {
             "velocity": velocity,
@@ -91,13 +91,13 @@ class SCurveMove(Trajectory):
             "acceleration_jerk": acceleration_jerk,
             "deceleration_jerk": deceleration_jerk,
         }
-        if self.settings.rates.jerk_percent is not None:
-            _check_no_jerk(acceleration_jerk, deceleration_jerk, self.settings.rates.jerk_percent)
+        if known.rates.jerk_percent is not None:
+            _check_no_jerk(acceleration_jerk, deceleration_jerk, known.rates.jerk_percent)
         changes = {name: positive(name, v) for name, v in given.items() if v is not None}
-        rates = replace(self.settings.rates, **changes)
+        rates = replace(known.rates, **changes)
         if final_velocity is None:
-            final_velocity = self.settings.final_velocity
-        settings = replace(self.settings, rates=rates, final_velocity=_final(final_velocity, rates))
+            final_velocity = known.final_velocity
+        settings = replace(known, rates=rates, final_velocity=_final(final_velocity, rates))
         goal = float(self.end_state[0]) if target is None else finite("target", target)
         x, v, a = before.end_state[:3].tolist()
         plan = _planned((x, v, a), goal, settings)
@@ -116,10 +116,15 @@ class SCurveMove(Trajectory):
         """
         goal = finite("target", target) + (float(self.end_state[0]) if relative else 0.0)
         delay = _delay(delay)
-        before = self.until(self.end_time + delay)
+        known, before = self._known(), self.until(self.end_time + delay)
         x, v, a = before.end_state[:3].tolist()
-        plan = _planned((x, v, a), goal, self.settings)
-        return _as_move(_spliced(before, plan), plan, self.settings)
+        plan = _planned((x, v, a), goal, known)
+        return _as_move(_spliced(before, plan), plan, known)
+
+    def _known(self) -> SCurveSettings:
+        if self.settings is None:
+            raise ValueError(f"{self!r} was made from arrays: plan it by s_curve_move to go on")
+        return self.settings
 
 
 def s_curve_move(
