@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import core
-from .checks import finite, positive, range_error
+from .checks import finite, positive, range_error, state_numbers
+from .frozen import Frozen
 from .jerk_filter import JerkFilter
 from .limits import Limits
 from .pieces import FloatArray
@@ -43,7 +45,7 @@ class FollowerResponse:
 
 
 @dataclass(frozen=True)
-class CommandFollower:
+class CommandFollower(Frozen):
     """Follows any command in minimum time within limits, replanning at every sample.
 
     At each sample the output is the first dt of the minimum-time motion from the present state to
@@ -105,23 +107,14 @@ class CommandFollower:
         fields["limits"], fields["dt"] = limits, positive("dt", dt)
         fields["period"] = None if period is None else positive("period", period)
         fields["jerk_filter"] = jerk_filter
-        fields["_core"] = self._made()
 
-    def _made(self) -> core.Follower:
+    @cached_property
+    def _core(self) -> core.Follower:
         n, lags = self.limits.order, self.jerk_filter
         bounds = [side for k in range(1, n + 1) for side in self.limits.bounds(k)]
         period = inf if self.period is None else self.period
         omega, count = (0.0, 0) if lags is None else (lags.omega, lags.order)
         return core.Follower(bounds, self.dt, period, omega, count)
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return the fields alone: what is made of them is made again."""
-        return {name: value for name, value in self.__dict__.items() if name != "_core"}
-
-    def __setstate__(self, fields: dict[str, object]) -> None:
-        """Take up the fields."""
-        self.__dict__.update(fields)
-        self.__dict__["_core"] = self._made()
 
     @property
     def order(self) -> int:
@@ -260,14 +253,13 @@ class CommandFollower:
         """Return the state as order + 1 numbers and the lags."""
         lags = 0 if self.jerk_filter is None else self.jerk_filter.order
         own = self.order + 1
-        if not isinstance(state, Sequence | np.ndarray) or isinstance(state, str):
-            state = (finite("state", state),)  # a position at rest
-        if not (1 <= len(state) <= own or len(state) == own + lags):
+        given = state_numbers("state", state)
+        if not (1 <= len(given) <= own or len(given) == own + lags):
             raise ValueError(
-                f"state of {len(state)} numbers: expected position and up to {self.order} "
+                f"state of {len(given)} numbers: expected position and up to {self.order} "
                 f"derivatives" + (f", or those and {lags} lags" if lags else "")
             )
-        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(state)]
+        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(given)]
         if len(numbers) <= own:
             numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
         return tuple(numbers)

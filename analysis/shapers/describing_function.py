@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import CommandFollower, Limits
 from ...shaping.checks import finite
+from ...shaping.frozen import Frozen
 from .periodic import (
     follower_cycle,
     follower_harmonic,
@@ -30,7 +31,7 @@ _NEARLY = 0.01  # how far from repeating a few sampled followers may remain
 
 
 @dataclass(frozen=True, eq=False)
-class DescribingFunction:
+class DescribingFunction(Frozen):
     """N(A, ω): first harmonic of the output over the sine A·sin ωt that is put in.
 
     Attributes
