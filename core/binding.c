@@ -149,7 +149,7 @@ static int is_number(double x) { return x - x == 0.0; }
 
 /* A float or int; 0 for anything else, without an error set. */
 static int plain_number(PyObject *object, double *number) {
-    if (PyFloat_Check(object) || PyLong_Check(object)) {
+    if (PyFloat_Check(object) || (PyLong_Check(object) && !PyBool_Check(object))) {
         *number = PyFloat_AsDouble(object);
         if (!PyErr_Occurred()) {
             return 1;
@@ -221,14 +221,14 @@ static int plain_limits(PyObject *object, jounce_limits *limits) {
     Py_ssize_t count = plain_numbers(object, bounds, 6), i;
     int order = (int)(count / 2), sound = count == 4 || count == 6;
     for (i = 0; sound && i < count; i += 2) {
-        sound = bounds[i] < 0.0 && 0.0 < bounds[i + 1];
+        sound = bounds[i] <= 0.0 && 0.0 <= bounds[i + 1] && bounds[i] < bounds[i + 1];
     }
     if (count < 0) {
         return 0;
     }
     if (!sound || !is_number(bounds[count - 2]) || !is_number(bounds[count - 1])) {
         PyErr_SetString(PyExc_ValueError,
-                        "bounds: expected lower < 0 < upper of velocity, acceleration and, for "
+                        "bounds: expected lower <= 0 <= upper of velocity, acceleration and, for "
                         "order 3, jerk, the last ones finite");
         return 0;
     }

@@ -141,6 +141,9 @@ double jounce_distance_of(const jounce_family *family, const jounce_profile *pro
 void jounce_pieces_of(const jounce_family *family, const jounce_profile *profile, double start,
                       double end, jounce_motion *motion);
 
+/* Add the fastest plan of a task that starts inside; 0 where there is none (transfer.c). */
+int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion);
+
 /* --- problems (transfer.c) ----------------------------------------------------------------------- */
 
 /* A transfer in its own units, its start brought inside. */
@@ -155,6 +158,9 @@ typedef struct {
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
                  double size, jounce_problem *problem);
 double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
+
+/* Whether the end keeps the bounds. */
+int jounce_ends_within(const jounce_task *task);
 
 /* Bring its start inside. */
 void jounce_start_inside(jounce_problem *problem);

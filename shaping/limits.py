@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, isinf
 
 import numpy as np
@@ -88,6 +89,11 @@ class Limits:
     def order(self) -> int:
         """Highest bounded derivative."""
         return len(self.upper)
+
+    @cached_property
+    def flat(self) -> tuple[float, ...]:
+        """Lower and upper bound of each derivative in turn, velocity first."""
+        return tuple(side for pair in zip(self.lower, self.upper, strict=True) for side in pair)
 
     @property
     def symmetric(self) -> bool:

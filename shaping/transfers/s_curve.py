@@ -14,8 +14,7 @@ from ..limits import Limits
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
-from .s_curve_plan import Motion, Rates, plan_move, stopping_place
-from .task import ROUNDING, Piece
+from .s_curve_plan import ROUNDING, Motion, Piece, Rates, plan_move, stopping_place
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 
@@ -289,10 +288,7 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
     def planned() -> Trajectory:
         if alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
-            motion = Problem(begin, (target, settings.final_velocity), limits).fastest()
-            if motion is None:  # an end without acceleration can be reached, in numbers of a double
-                raise OverflowError
-            return motion
+            return Problem(begin, (target, settings.final_velocity), limits).fastest()
         return _trajectory(
             plan_move(begin, target, settings.final_velocity, rates),
             target,

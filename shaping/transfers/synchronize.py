@@ -6,15 +6,14 @@ from collections.abc import Iterable
 from math import inf
 from typing import Literal
 
-from ..checks import in_range
 from ..limits import Limits
 from ..trajectory import Trajectory
 from .axes import Axis, as_axis
-from .infeasible import InfeasibleError, unreachable
+from .infeasible import InfeasibleError
 from .problem import Problem, State
 from .straight_line import straight_line
-from .task import ROUNDING
 
+_ROUNDING = 16.0 * 2.0**-52
 Mode = Literal["start", "end", "both", "straight-line"]
 Given = Trajectory | tuple[State, State, Limits]
 
@@ -85,13 +84,13 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
         return tuple(axis.motion for axis in axes)
     if mode == "end":
         return _ending_together(axes)
-    return in_range(lambda: _both(axes))
+    return _both(axes)
 
 
 def _ending_together(axes: list[Axis]) -> tuple[Trajectory, ...]:
     latest = max(axis.motion.duration for axis in axes)
     for axis in axes:
-        waits = axis.motion.duration < latest * (1.0 - ROUNDING)
+        waits = axis.motion.duration < latest * (1.0 - _ROUNDING)
         if waits and any([*axis.motion.start_state[1 : axis.order], axis.motion.coasting_in()[1]]):
             raise ValueError(
                 f"axis {axis.number} moves at its start and cannot wait: use mode='both', or start "
@@ -128,14 +127,11 @@ def _durations(axis: Axis, problem: Problem | None) -> list[tuple[float, float]]
 
 def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Trajectory:
     own = axis.motion.duration
-    if own >= duration * (1.0 - ROUNDING):
+    if own >= duration * (1.0 - _ROUNDING):
         return axis.motion
     if problem is None:
         return axis.motion.stretch(duration / own) if own else axis.motion.until(duration)
-    plan = problem.lasting(duration)
-    if plan is None:
-        raise unreachable(*problem.end[1:], problem.limits)
-    return plan
+    return problem.lasting(duration)
 
 
 def _common_duration(possible: list[list[tuple[float, float]]]) -> float:
@@ -158,6 +154,6 @@ def _common_duration(possible: list[list[tuple[float, float]]]) -> float:
 def _next_possible(intervals: list[tuple[float, float]], duration: float) -> float:
     """Return the shortest possible duration that is no shorter than the one given."""
     for low, high in intervals:
-        if duration <= high * (1.0 + ROUNDING):
-            return low if low > duration * (1.0 + ROUNDING) else duration
+        if duration <= high * (1.0 + _ROUNDING):
+            return low if low > duration * (1.0 + _ROUNDING) else duration
     return inf
