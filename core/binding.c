@@ -847,8 +847,12 @@ static void lay_out_all(const Problems *p, int most, double *lengths, double *st
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
         double *end = ends + i * width;
-        int count = solve(p, i, &motion) == JOUNCE_OK ? motion.count : 0;
-        end_row(&motion, p->order, end);
+        int ok = solve(p, i, &motion) == JOUNCE_OK, count = ok ? motion.count : 0;
+        if (ok) {
+            end_row(&motion, p->order, end);
+        } else {
+            memset(end, 0, (size_t)width * sizeof(double));
+        }
         for (k = 0; k < most; k++) {
             double *row = states + (i * most + k) * width;
             lengths[i * most + k] = k < count ? motion.pieces[k].duration : 0.0;
