@@ -112,7 +112,7 @@ def _started(
     """Return HiGHS with the program loaded."""
     import highspy
 
-    make: Any = highspy.Highs
+    make: Any = highspy._Highs  # Highs itself prints a banner before it can be told not to
     highs = make()
     _set(highs, _SETTINGS)
     most = min(_ITERATIONS * len(objective), _MOST_ITERATIONS)

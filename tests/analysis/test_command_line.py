@@ -258,7 +258,7 @@ def test_plan_writes_both_files_or_none(run, folder, bad):
 def test_wrong_usage(run, folder, arguments, word):
     status, out, errors = run(*arguments)
     assert (status, out) == (2, "")
-    assert word in "\n".join(errors)
+    assert word in "\n".join(errors).lower()  # older releases of typer print SCENARIO
     assert names(folder) == set()
 
 
