@@ -56,8 +56,24 @@ def main() -> None:
         _fail(error, BAD_INPUT)
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print_parts(f"jounce {version('jounce')}")
+        raise typer.Exit
+
+
 @app.callback()
-def _jounce() -> None:
+def _jounce(
+    *,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
     """Command shaping with bounded derivatives, and surveys of servo loops."""
 
 
