@@ -44,7 +44,7 @@ check: $(VENV)/.installed-dev .typing/jounce
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	cd .typing && ../$(BIN)/lint-imports ../pyproject.toml
 
 # mypy sees the folders under the names that they are imported by; an sdist holds no links.
 .typing/jounce:
