@@ -2,13 +2,20 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from jounce.analysis.gate.baseline import Baseline, Stored, check_origin, load_baseline
+from jounce.analysis.gate.baseline import (
+    Baseline,
+    Stored,
+    check_origin,
+    load_baseline,
+    stored_conditions,
+)
 from jounce.analysis.gate.check_file import CheckError
 
 NUMBERS = {
@@ -178,3 +185,42 @@ def test_another_origin_is_refused(scenario, unit, words):
         check_origin(BASELINE, Path("b.json"), scenario, unit)
     assert str(refusal.value).startswith(f"b.json: {words}")
     assert str(refusal.value).endswith("delete the file and store anew with --update")
+
+
+CONDITIONS = {
+    ("moves", "a.b é", "settle_to"): "0.05 arcsec",
+    ("moves", "a.b é", "limits", "jerk"): "-1 to 2 mm/s^3",
+    ("controller", "gains"): "design",
+}
+
+
+@pytest.mark.parametrize("conditions", [None, {}, CONDITIONS])
+def test_conditions_come_back(tmp_path, conditions):
+    path = tmp_path / "case.baseline.json"
+    baseline = replace(BASELINE, conditions=conditions)
+    baseline.write(path)
+    assert load_baseline(path) == baseline
+    assert ("conditions" in json.loads(path.read_text("utf-8"))) == (conditions is not None)
+
+
+@pytest.mark.parametrize(
+    ("broken", "line"),
+    [
+        (3, "conditions: 3 is not a table; delete the file"),
+        ("x", "conditions: 'x' is not a table; delete the file"),
+        ({"plant": {"inertia": 3}}, "conditions.plant.inertia: 3 is not text; delete the file"),
+        ({"moves": []}, "conditions.moves: [] is not text; delete the file"),
+    ],
+    ids=range(4),
+)
+def test_broken_conditions_are_explained(tmp_path, broken, line):
+    (problem,) = problems(write(tmp_path, content() | {"conditions": broken}))
+    assert problem.startswith(line)
+
+
+def test_a_file_without_conditions_says_how_to_get_them():
+    with pytest.raises(CheckError) as refusal:
+        stored_conditions(BASELINE, Path("b.json"))
+    assert str(refusal.value).startswith("b.json: was stored without the conditions")
+    assert str(refusal.value).endswith("store it anew with --update")
+    assert stored_conditions(replace(BASELINE, conditions={}), Path("b.json")) == {}
