@@ -87,8 +87,8 @@ def check_command(
     A number without a better side may change neither way: crossover, bandwidth,
     rise and peak time of the step, peaks of a move.
 
-    What the numbers depend on (plant, specification, distances, limits, tolerances, modes)
-    must be as it was stored.
+    What is asked and given (plant, specification, moves with their limits, filter and
+    tolerances, modes) must be as it was stored.
     """
     from .command_line import message_of, print_parts
     from .gate.formats import BadInput, github_error, tally

@@ -71,7 +71,7 @@ for row in slower.failures:
 #
 # The moves settle sooner, but to another tolerance: a number that means something else is no
 # improvement. What is asked and given must be as it was stored, until `--update` accepts it; only
-# the design (gains, the feedforward's inertia, filter) may change as long as the numbers pass.
+# the design (gains, the feedforward's inertia) may change as long as the numbers pass.
 # `overrides` is what `--set` gives on the command line.
 
 # %%

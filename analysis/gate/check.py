@@ -118,8 +118,8 @@ def check_scenario(
         An improvement passes, with a note; a change for the worse, or in a number that has no
         better side, fails. So does a number that is measured no more, an unstable loop, a
         baseline that is missing though the check file does not say ``baseline = false``, and a
-        condition (what the scenario asks and what is given, all but its gains, feedforward
-        inertia and filter) that is not as it was stored.
+        condition (what the scenario asks and what is given, all but its gains and its
+        feedforward's inertia) that is not as it was stored.
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """What a scenario's numbers depend on: its conditions and its design, and what changed of them.
 
 Conditions say what is asked and given: plant, specification, moves with their distances, limits
-and tolerances, modes, the error of Ĵ. Change one, and a number of the same name means another
-thing. The design answers them: the gains, the feedforward's Ĵ, the filter. It may change as long
-as the numbers stand the comparison.
+and tolerances, the filter that bounds their jerk, modes, the error of Ĵ. Change one, and a number
+of the same name means another thing. The design answers them: the gains, the feedforward's Ĵ. It
+may change as long as the numbers stand the comparison.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Conditions = Mapping[Key, str]
 NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
 _ORIGIN = ("path", "title", "motion", "position_unit", "overrides", "limits_name", "name")
-_DESIGN = (("controller", "gains"), ("feedforward", "inertia"), ("filter",))
+_DESIGN = (("controller", "gains"), ("feedforward", "inertia"))
 _ENTRIES = ("moves", "modes")
 _KEYS: dict[str, Key] = {
     "inertia": ("plant", "inertia"),

@@ -72,8 +72,6 @@ def test_conditions_fail_and_the_design_may_change():
         "controller.gains.ki",
         "controller.gains.kr",
         "feedforward.inertia",
-        "filter.corner",
-        "filter.order",
     }
 
 

@@ -175,7 +175,7 @@ def test_junit_is_xml_whatever_the_title_and_path(text):
 
 
 CHANGED = Change(("moves", "go", "settle_to"), "0.05 arcsec", "0.5 arcsec")
-REDESIGNED = Change(("filter", "corner"), "2 Hz", "3 Hz")
+REDESIGNED = Change(("feedforward", "inertia"), "2 kg", "3 kg")
 ACCEPT = "\nTo accept what is asked and measured, store it with --update"
 
 
@@ -208,7 +208,7 @@ def test_the_table_shows_what_changed_with_units():
     lines = [line.split() for line in text.splitlines()]
     row = [CHANGED.name, "0.05", "arcsec", "0.5", "arcsec", "changed"]
     assert row in lines
-    assert ["filter.corner", "2", "Hz", "3", "Hz", "redesigned"] in lines
+    assert ["feedforward.inertia", "2", "kg", "3", "kg", "redesigned"] in lines
     assert lines.index(row) < next(i for i, line in enumerate(lines) if BETTER.name in line)
 
 
