@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
@@ -12,10 +12,10 @@ from typing import Any
 
 from ..reading import read_json
 from ..scenario_messages import key_path
-from ..units import show
+from ..units import UnitError, conversion, show
 from .check_file import CheckError
 from .conditions import Conditions
-from .numbers import Key
+from .numbers import Key, is_position
 
 FORMAT = 1
 """Number of the layout, kept in the file under "jounce_baseline"."""
@@ -106,6 +106,26 @@ def load_baseline(path: Path, *, anew: str = _UPDATE) -> Baseline:
     if problems:
         raise CheckError("\n".join(f"{path}: {problem}; {remedy}" for problem in problems))
     return Baseline(names[0], names[1], MappingProxyType(numbers), conditions)
+
+
+def in_unit(stored: Baseline, unit: str | None) -> Baseline:
+    """Return a baseline with positions in a unit; as it is, where it has another kind of unit."""
+    if unit is None or stored.position_unit in (None, unit):
+        return stored
+    try:
+        ratio = conversion(str(stored.position_unit), unit)
+    except UnitError:
+        return stored
+    numbers = {
+        key: _times(entry, ratio if is_position(key) else 1.0)
+        for key, entry in stored.numbers.items()
+    }
+    return replace(stored, position_unit=unit, numbers=MappingProxyType(numbers))
+
+
+def _times(stored: Stored, ratio: float) -> Stored:
+    value = None if stored.value is None else stored.value * ratio
+    return Stored(value, stored.rtol, stored.atol * ratio)
 
 
 def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None:

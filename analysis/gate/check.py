@@ -9,11 +9,11 @@ from typing import Any
 
 from ..scenario import Scenario, as_scenario
 from ..survey import Survey, UnstableLoopError, survey
-from .baseline import Baseline, check_origin, load_baseline, stored_conditions
+from .baseline import Baseline, check_origin, in_unit, load_baseline, stored_conditions
 from .check_file import CheckError, Checks, load_checks, wants_baseline
 from .comparison import FAILURES, NOTES, Row, compare, measured_baseline
 from .conditions import Change, changes, scenario_conditions
-from .numbers import survey_numbers
+from .numbers import is_position, survey_numbers
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,12 +141,15 @@ def check_scenario(
     missing = _missing(scenario.path, stored_at, checks_at, update=update)
     stored = Baseline(scenario.title, scenario.position_unit, {}) if update else None
     changed: tuple[Change, ...] = ()
+    unit_was = None
     if stored_at is not None:
-        stored = load_baseline(stored_at)
+        before = load_baseline(stored_at)
+        unit_was = None if update else before.position_unit
+        stored = in_unit(before, scenario.position_unit)
         check_origin(stored, stored_at, scenario.title, scenario.position_unit)
         if not (update and stored.conditions is None):
             changed = changes(stored_conditions(stored, stored_at), scenario_conditions(scenario))
-    report = _report(scenario, stored, checks_at)
+    report = _report(scenario, stored, checks_at, unit_was)
     return replace(
         report, update=update, changes=changed, missing=missing, overrides=scenario.overrides
     )
@@ -162,7 +165,9 @@ def checks_beside(scenario: Path) -> Path:
     return scenario.with_name(f"{scenario.stem}.check.toml")
 
 
-def _report(scenario: Scenario, stored: Baseline | None, checks_at: Path | None) -> GateReport:
+def _report(
+    scenario: Scenario, stored: Baseline | None, checks_at: Path | None, unit_was: str | None
+) -> GateReport:
     title, unit = scenario.title, scenario.position_unit
     try:
         found: Survey = survey(scenario)
@@ -170,6 +175,12 @@ def _report(scenario: Scenario, stored: Baseline | None, checks_at: Path | None)
         return GateReport(title, scenario.path, unit, (), unstable=str(error))
     numbers = survey_numbers(found)
     checks = Checks() if checks_at is None else load_checks(checks_at, numbers)
+    if unit_was not in (None, unit) and any(map(is_position, checks.requirements)):
+        raise CheckError(
+            f"{checks_at}: bounds positions in the scenario's unit, which was {unit_was} and is "
+            f'{unit}; write position_unit = "{unit_was}" into {scenario.path}, or the bounds in '
+            f"{unit} and store anew with --update"
+        )
     measured = measured_baseline(
         numbers,
         stored,

@@ -17,6 +17,7 @@ from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
 from ..scenario_checks import GAIN_UNITS
 from ..scenario_messages import key_path
+from ..units import UnitError, conversion
 from .numbers import Key
 
 Conditions = Mapping[Key, str]
@@ -103,15 +104,29 @@ def _entry(key: Key) -> Key:
 
 
 def _is_same(was: str, now: str) -> bool:
-    words = was.split(), now.split()
-    return len(words[0]) == len(words[1]) and all(map(_is_same_word, *words))
-
-
-def _is_same_word(was: str, now: str) -> bool:
+    """Whether two texts say the same, in whatever units."""
+    (numbers, unit), (others, to) = _quantity(was), _quantity(now)
+    if was == now or len(numbers) != len(others) or not numbers:
+        return was == now
     try:
-        return was == now or isclose(float(was), float(now), rel_tol=_SAME)
-    except ValueError:
+        ratio = 1.0 if unit == to else conversion(unit, to)
+    except UnitError:
         return False
+    pairs = zip(numbers, others, strict=True)
+    return all(isclose(ratio * a, b, rel_tol=_SAME) for a, b in pairs)
+
+
+def _quantity(text: str) -> tuple[list[float], str]:
+    """Return the numbers of a text, a pair as "1 to 2 mm" among them, and its unit."""
+    words = text.split()
+    numbers = []
+    while words:
+        try:
+            numbers.append(float(words[0]))
+        except ValueError:
+            break
+        words = words[2 if words[1:2] == ["to"] else 1 :]
+    return numbers, " ".join(words)
 
 
 def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, str]]:

@@ -12,7 +12,7 @@ from ...plant import ServoLoop
 from ...shaping.checks import finite
 from ..margins import LoopMargins, loop_margins
 from ..output import write_files
-from .baseline import Baseline, load_baseline
+from .baseline import Baseline, in_unit, load_baseline
 from .check_file import CheckError, Checks, Requirement
 from .comparison import compare, measured_baseline
 from .conditions import Conditions, changes, scenario_conditions
@@ -148,7 +148,7 @@ def _compare(
     __tracebackhide__ = True
     remedy = "If this is meant, run pytest --force-regen and commit the file."
     try:
-        stored = load_baseline(expected, anew="pytest --force-regen")
+        stored = in_unit(load_baseline(expected, anew="pytest --force-regen"), now.position_unit)
     except CheckError as error:
         raise AssertionError(f"{error}\n{remedy}") from None
     unit = now.position_unit

@@ -13,6 +13,7 @@ from jounce.analysis.gate.baseline import (
     Baseline,
     Stored,
     check_origin,
+    in_unit,
     load_baseline,
     stored_conditions,
 )
@@ -224,3 +225,20 @@ def test_a_file_without_conditions_says_how_to_get_them():
     assert str(refusal.value).startswith("b.json: was stored without the conditions")
     assert str(refusal.value).endswith("store it anew with --update")
     assert stored_conditions(replace(BASELINE, conditions={}), Path("b.json")) == {}
+
+
+def test_positions_change_with_the_unit_and_nothing_else():
+    converted = in_unit(BASELINE, "mas")
+    assert converted.position_unit == "mas"
+    peak, left = ("moves", "a.b", "peaks", "velocity"), list(NUMBERS)[2]
+    assert converted.numbers[peak] == Stored(-100.0, 0.1, 2000.0)
+    assert converted.numbers[left].atol == pytest.approx(1e-297)
+    assert [converted.numbers[key] for key in list(NUMBERS)[:2]] == list(NUMBERS.values())[:2]
+    check_origin(converted, Path("b.json"), "Axis [1]", "mas")
+
+
+@pytest.mark.parametrize("unit", ["arcsec", "mm", "lux", None])
+def test_a_unit_of_another_kind_leaves_a_baseline_as_it_is(unit):
+    assert in_unit(BASELINE, unit) is BASELINE
+    loop = replace(BASELINE, position_unit=None)
+    assert in_unit(loop, "mm") is loop

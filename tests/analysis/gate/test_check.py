@@ -264,6 +264,47 @@ def test_the_same_in_other_words_is_no_change(axis, old, new):
     assert report.changes == ()
 
 
+@pytest.mark.parametrize("unit", ["mas", "deg"])
+def test_another_unit_of_positions_is_no_change(axis, unit):
+    axis.write_text(AXIS + MODE, encoding="utf-8")
+    store(axis)
+    axis.write_text(f'position_unit = "{unit}"\n{AXIS}{MODE}', encoding="utf-8")
+    report = check_scenario(axis)
+    assert report.passed
+    assert (report.position_unit, report.changes) == (unit, ())
+    assert set(verdicts(report).values()) == {"same"}
+    change(axis, "50 mas", "51 mas")
+    (changed,) = check_scenario(axis).changes
+    assert changed.was == "0.05 arcsec"
+    assert changed.now.endswith(f" {unit}")
+    store(axis)
+    assert check_scenario(axis).measured.position_unit == unit
+    assert check_scenario(axis).passed
+
+
+def test_a_first_distance_in_another_unit_is_no_change(axis):
+    store(axis)
+    change(axis, "60 arcsec", "1 arcmin")
+    report = check_scenario(axis)
+    assert report.passed
+    assert report.position_unit == "arcmin"
+
+
+def test_bounds_of_positions_do_not_change_their_unit_in_silence(axis):
+    store(axis)
+    checks = axis.with_name("axis.check.toml")
+    checks.write_text("[moves.go]\npeaks.velocity = {max = 210}")
+    change(axis, "60 arcsec", "1 arcmin")
+    with pytest.raises(CheckError, match="which was arcsec and is arcmin; write position_unit = "):
+        check_scenario(axis)
+    assert check_scenario(axis, update=True).passed
+    axis.write_text('position_unit = "arcsec"\n' + axis.read_text())
+    assert check_scenario(axis).passed
+    checks.write_text("[moves.go]\nduration_s = {max = 2}")
+    axis.write_text(axis.read_text().replace('"arcsec"', '"mas"'))
+    assert check_scenario(axis).passed
+
+
 def test_a_new_design_passes_on_its_numbers(axis):
     store(axis)
     change(axis, "5.4 N m s/rad", "5.40000001 N m s/rad")

@@ -105,6 +105,12 @@ def test_less_than_rounding_is_no_change():
     assert changes(stored, scenario_conditions(other)) == ()
     assert changes({("a",): "0.1 mm"}, {("a",): "0.10000000000000002 mm"}) == ()
     assert changes({("a",): "0.1 mm"}, {("a",): "0.1 m"})
+    assert changes({("a",): "0.1 mm"}, {("a",): "1e-4 m"}) == ()
+    assert changes({("a",): "-1 to 2 mm/s^3"}, {("a",): "-1e-3 to 2e-3 m/s^3"}) == ()
+    assert changes({("a",): "-1 to 2 mm/s^3"}, {("a",): "-1e-3 to 3e-3 m/s^3"})
+    assert changes({("a",): "1 rad"}, {("a",): "1 m"})
+    assert changes({("a",): "design"}, {("a",): "published"})
+    assert changes({("a",): "6"}, {("a",): "7"})
     assert changes({("a",): "1 to 2 mm"}, {("a",): "1 mm"})
     assert changes({("a",): "nan"}, {("a",): "1"})
 
