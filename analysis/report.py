@@ -40,6 +40,7 @@ def survey_data(survey: Survey) -> dict[str, Any]:
     return {
         "title": scenario.title,
         "scenario": scenario.path.name,
+        "overrides": list(scenario.overrides),
         "units": {
             "position": scenario.position_unit,
             "torque": _torque_unit(survey),
