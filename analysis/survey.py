@@ -130,7 +130,7 @@ class Survey:
         return (f"The gains miss their specifications: {listed}; {overshoot}.",)
 
     def plot(self) -> Figure:
-        """Return the picture of the survey."""
+        """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
         from .plots import plot_survey
 
         return plot_survey(self)
