@@ -123,12 +123,15 @@ def plan_command(
     certify: Annotated[
         bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
     ] = False,
+    pieces: Annotated[
+        bool, typer.Option("--pieces", help="Print the switch table from order 4 on, too.")
+    ] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
     ] = None,
 ) -> None:
-    """Plan the fastest move between rests and print its switch table."""
+    """Plan the fastest move between rests: its duration, its peaks and what limits them."""
     from .plan import plan_move
     from .report import certificate_table, plan_tables
 
@@ -148,7 +151,7 @@ def plan_command(
 
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     _write_plan(plan, csv, plot)
-    print_parts(*plan_tables(plan), *proofs)
+    print_parts(*plan_tables(plan, pieces=pieces), *proofs)
     for path in (csv, plot):
         if path is not None:
             print_parts(f"Wrote {path}")
@@ -188,10 +191,16 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
         writers[csv] = lambda draft: write_rows(draft, header, rows)
     if plot is not None:
         check_picture(plot)
+        from matplotlib.figure import Figure
+
         from .plots import plot_trajectory
 
         figure = plot_trajectory(
-            plan.trajectory, limits=plan.limits, unit=plan.unit, scale=plan.scale
+            plan.trajectory,
+            limits=plan.limits,
+            unit=plan.unit,
+            scale=plan.scale,
+            figure=Figure(),  # of its own, without pyplot and a display
         )
         writers[plot] = lambda draft: save_figure(figure, draft)
     write_files(writers)

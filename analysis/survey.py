@@ -22,6 +22,7 @@ from ..plant import (
     printed_pid,
 )
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from .margins import LoopMargins, loop_margins
 from .sampling import Clock, clock_for, followed, thinned
@@ -72,7 +73,7 @@ class MoveResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class MoveSurvey:
+class MoveSurvey(Frozen):
     """A move of the scenario, shaped, filtered and run through the loop.
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
@@ -129,7 +130,7 @@ class Survey:
         return (f"The gains miss their specifications: {listed}; {overshoot}.",)
 
     def plot(self) -> Figure:
-        """Return the picture of the survey."""
+        """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
         from .plots import plot_survey
 
         return plot_survey(self)

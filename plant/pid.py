@@ -189,13 +189,15 @@ def design_pid(
     """
     moment = (inertia if isinstance(inertia, Inertia) else Inertia(inertia)).J
     omega = 2.0 * pi * positive("crossover_hz", crossover_hz)
-    phase = radians(finite("phase_margin_deg", phase_margin_deg))
+    phase_margin_deg = finite("phase_margin_deg", phase_margin_deg)
+    phase = radians(phase_margin_deg)
     if not 0.0 < phase < 0.5 * pi:
         raise ValueError(
             f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
             "between 0 and 90 deg (both excluded)"
         )
-    if not abs(finite("lower_gain_margin_db", lower_gain_margin_db)) <= _MOST_DB:
+    lower_gain_margin_db = finite("lower_gain_margin_db", lower_gain_margin_db)
+    if abs(lower_gain_margin_db) > _MOST_DB:
         raise ValueError(
             f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected at most {_MOST_DB:g} dB"
         )
@@ -216,7 +218,7 @@ def design_pid(
         kp = moment * omega**2 * cos(phase)
         kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
         ki = kr * (kp / (moment * factor))
-    except ArithmeticError:
+    except OverflowError:
         kp = ki = kr = inf
     if not all(0.0 < gain < inf for gain in (kp, ki, kr)):
         raise ValueError(

@@ -13,6 +13,7 @@ from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
+from ..shaping.real_numbers import real_array
 from .linear_system import static_gain
 
 if TYPE_CHECKING:
@@ -200,7 +201,7 @@ def _check_timebase(plant: control.StateSpace, dt: float) -> None:
 def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:
     if initial is None:
         return np.zeros(plant.nstates)
-    state = np.asarray(initial, dtype=float)
+    state = real_array("initial_state", initial)
     if state.shape != (plant.nstates,) or not np.isfinite(state).all():
         raise ValueError(
             f"initial_state {initial!r}: expected {plant.nstates} finite numbers, "

@@ -152,14 +152,15 @@ def _continuous(system: Any) -> control.StateSpace:
 
 def _in_samples(delay: float, dt: float) -> tuple[int, float]:
     """Return m and θ of delay = m·dt + θ, 0 ≤ θ < dt."""
-    if not finite("delay", delay) >= 0.0:
+    delay = finite("delay", delay)
+    if delay < 0.0:
         raise ValueError(f"delay = {delay!r}: expected a number ≥ 0")
     if delay > MAX_DELAY * dt:
         raise ValueError(
-            f"delay = {delay!r} is {float(delay) / dt:.4g} samples of dt = {dt!r}: expected at "
+            f"delay = {delay!r} is {delay / dt:.4g} samples of dt = {dt!r}: expected at "
             f"most {MAX_DELAY}; use a larger dt"
         )
-    samples = float(delay) / dt
+    samples = delay / dt
     whole = round(samples)
     if abs(samples - whole) <= _ON_SAMPLE * max(whole, 1):
         return whole, 0.0

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..shaping import JerkFilter, Trajectory
-from ..shaping.checks import positive
+from ..shaping.checks import finite, positive
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
@@ -80,7 +81,7 @@ class LoopResponse:
         Infinite where the response ends outside it. Between samples the crossing is taken on
         the straight line, so its error falls with dt².
         """
-        excess = np.abs(self.position - target) - positive("tolerance", tolerance)
+        excess = np.abs(self.position - finite("target", target)) - positive("tolerance", tolerance)
         outside = np.flatnonzero(excess > 0.0)
         if not outside.size:
             return 0.0
@@ -93,7 +94,7 @@ class LoopResponse:
 
 
 @dataclass(frozen=True)
-class ServoLoop:
+class ServoLoop(Frozen):
     """A plant under feedback, with feedforward of the command's acceleration.
 
         y/r = g·(k + f)/(1 + g·k)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .pieces import FloatArray, evaluate, evaluate_sorted
+from .real_numbers import real_array
 
 MAX_SAMPLES = 10**9
 """Longest time grid."""
@@ -38,7 +39,7 @@ class Evaluator:
         self, t: ArrayLike, derivatives: range, out: FloatArray | None = None
     ) -> FloatArray:
         """Return derivatives at times t, shape (len(derivatives), *t.shape)."""
-        times = np.asarray(t, dtype=float)
+        times = real_array("t", t)
         flat = times.ravel()
         if not np.isfinite(flat).all():
             raise ValueError("times must be finite: got NaN or infinity")

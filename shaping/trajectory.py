@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import finite, in_range, positive
+from .checks import finite, in_range, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .evaluation import MAX_SAMPLES, Evaluator
+from .frozen import Frozen
 from .limits import Limits
 from .pieces import FloatArray, advance, evaluate, extrema
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Frozen):
     """Position as a piecewise polynomial in Taylor form.
 
     On piece i, with τ = t − breaks[i],
@@ -86,8 +87,8 @@ class Trajectory:
                 f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
                 "position and one value per derivative"
             )
-        if coasting is not None and not -1 <= coasting < rows.shape[1] - 1:
-            raise ValueError(f"coasting = {coasting!r}: expected -1 to {rows.shape[1] - 2}")
+        if coasting is not None:
+            coasting = whole("coasting", coasting, -1, rows.shape[1] - 2)
         self._fill(times, rows, lengths, end, coasting)
 
     @classmethod
@@ -167,7 +168,7 @@ class Trajectory:
         """
         k = derivative_number(derivative)
         if k > self.order:
-            return np.zeros(np.shape(t))[()]
+            return np.zeros(finite_array("t", t).shape)[()]
         return np.asarray(self._evaluator(t, range(k, k + 1))[0])[()]
 
     def evaluate(
@@ -353,7 +354,8 @@ class Trajectory:
         ValueError
             For a time before the start.
         """
-        if not self.start_time <= finite("time", time):
+        time = finite("time", time)
+        if time < self.start_time:
             raise ValueError(
                 f"time = {time!r} is before the start: expected at least {self.start_time!r}"
             )
@@ -399,7 +401,8 @@ class Trajectory:
         ValueError
             Where a derivative would jump that does not jump in either part.
         """
-        if not 0.0 <= dwell < np.inf:
+        dwell = finite("dwell", dwell)
+        if dwell < 0.0:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
         n = max(self.order, following.order)
         if dwell > 0.0:
@@ -426,7 +429,7 @@ class Trajectory:
         time_unit: str = "s",
         scale: float = 1.0,
     ) -> Figure:
-        """Return a picture: position and every derivative, coloured where its limit is active.
+        """Draw a picture: position and every derivative, coloured where its limit is active.
 
         Parameters
         ----------
@@ -442,7 +445,8 @@ class Trajectory:
         Returns
         -------
         Figure
-            Of matplotlib, as `jounce.analysis.plots.plot_trajectory` draws it.
+            As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
+            empty, else a new one of pyplot's.
 
         Raises
         ------

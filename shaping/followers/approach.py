@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..pieces import FloatArray, evaluate
 from ..transfers.brake import brake
 from ..transfers.planner import fastest
-from ..transfers.task import ROUNDING, Piece, Task, own_units, taylor
+from ..transfers.task import ROUNDING, Piece, Task, in_own_units, taylor
 from ..transfers.velocity_change import change_velocity
 
 _NOTHING = 2.0**-100
@@ -58,8 +58,8 @@ def approach(
         v_max=bounds.v_max - velocity,
         resolution=2.0**-52 * (abs(e) + abs(position)),
     )
-    time, length = own_units(task)
-    braking, left, position = brake(task.in_units(time, length), e / length)
+    scaled, time, length = in_own_units(task)
+    braking, left, position = brake(scaled, e / length)
     plan, end = fastest(left, position, 0.0), 0.0
     if plan is None:
         change = change_velocity(left)

@@ -10,7 +10,7 @@ from math import remainder
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import finite, in_range, positive
+from ..checks import finite, in_range, positive, state_numbers
 from ..jerk_filter import JerkFilter
 from ..limits import Limits
 from ..pieces import FloatArray
@@ -223,14 +223,13 @@ class CommandFollower:
         """Return the state as order + 1 numbers and the lags."""
         lags = 0 if self.jerk_filter is None else self.jerk_filter.order
         own = self.order + 1
-        if not isinstance(state, Sequence | np.ndarray) or isinstance(state, str):
-            state = (finite("state", state),)  # a position at rest
-        if not (1 <= len(state) <= own or len(state) == own + lags):
+        given = state_numbers("state", state)
+        if not (1 <= len(given) <= own or len(given) == own + lags):
             raise ValueError(
-                f"state of {len(state)} numbers: expected position and up to {self.order} "
+                f"state of {len(given)} numbers: expected position and up to {self.order} "
                 f"derivatives" + (f", or those and {lags} lags" if lags else "")
             )
-        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(state)]
+        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(given)]
         if len(numbers) <= own:
             numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
         return tuple(numbers)

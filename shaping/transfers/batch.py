@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import in_range
 from ..derivatives import derivative_name
+from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import FloatArray
+from ..real_numbers import real_array
 from ..trajectory_checks import finite_array
 from . import batch_second, batch_third
 from .batch_brake import brake, outside
@@ -26,7 +28,7 @@ _CHUNK = 4096  # problems whose arrays stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
-class TransferBatch:
+class TransferBatch(Frozen):
     """Minimum-time transfers of N problems.
 
     Attributes
@@ -140,7 +142,7 @@ def _checked(
         check_order(limits)
         bounds = np.array([limits.lower, limits.upper]).T
     else:
-        bounds = np.array(limits, dtype=float)
+        bounds = np.array(real_array("limits", limits))
         if bounds.ndim < 3:
             bounds = np.stack([-bounds, bounds], axis=-1)
     order = bounds.shape[-2] if bounds.ndim > 1 else 0

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from math import isfinite
 
 import numpy as np
 
-from ..checks import finite
+from ..checks import finite, state_numbers
 from ..derivatives import derivative_name
 from ..limits import Limits
+from ..real_numbers import shown
 from ..trajectory import Trajectory
 from . import planner
 from .brake import brake, inside
 from .infeasible import check_end
-from .task import Piece, Task, own_units
+from .task import Piece, Task, in_own_units
 
 State = float | Sequence[float]
 """Position, velocity and, for order 3, acceleration; those left out at the end are zero."""
@@ -28,16 +29,16 @@ class Transfer(Trajectory):
 
     Attributes
     ----------
-    limits : Limits
-        Those it was planned with.
+    limits : Limits, optional
+        Those it was planned with; None where it was made from arrays.
     inside_after : float
         Time from its start after which every limit holds for good. Zero where the start can
         keep the limits; else the time that bringing it inside takes, during which `violation`
         reports the excess.
     """
 
-    limits: Limits
-    inside_after: float
+    limits: Limits | None = None
+    inside_after: float = 0.0
 
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""
@@ -63,8 +64,8 @@ class Problem:
             resolution=2.0**-52 * max(abs(x0), abs(x1)),
         )
         self.limits, self.end = limits, (x1, v1, a1)
-        self.units = own_units(task)
-        self._scaled = task.in_units(*self.units)
+        self._scaled, *units = in_own_units(task)
+        self.units = units[0], units[1]
         self._start, self._goal = x0 / self.units[1], x1 / self.units[1]
         self.braking, self.task, self.position = brake(self._scaled, self._start)
 
@@ -138,16 +139,14 @@ def check_order(limits: Limits) -> None:
 
 def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float, float]:
     """Return (position, velocity, acceleration), checked; acceleration is zero for order 2."""
-    numbers = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    numbers = state_numbers(name, given)
     n = limits.order
     if not 1 <= len(numbers) <= n + 1:
         named = ", ".join(derivative_name(k) for k in range(n))
         raise ValueError(
-            f"{name} = {given!r}: expected ({named}) for limits of order {n}; the last may be left "
-            f"out where they are zero, and {derivative_name(n)} may follow, which is not used"
+            f"{name} = {shown(given)}: expected ({named}) for limits of order {n}; the last may "
+            f"be left out where they are zero, and {derivative_name(n)}, not used, may follow"
         )
-    x, v, a = (
-        finite(f"{name} {derivative_name(k)}", numbers[k]) if k < min(n, len(numbers)) else 0.0
-        for k in range(3)
-    )
+    checked = [finite(f"{name} {derivative_name(k)}", value) for k, value in enumerate(numbers)]
+    x, v, a = (*checked[:n], 0.0, 0.0)[:3]
     return x, v, a

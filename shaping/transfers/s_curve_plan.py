@@ -257,6 +257,8 @@ def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: flo
         return []
     speeding = velocity > v
     duration = abs(change) / (rates.acceleration if speeding else rates.deceleration)
+    if not duration:
+        raise OverflowError
     curved, straight = 0.5 * percent * duration, (1.0 - percent) * duration
     peak = change / duration / (1.0 - 0.5 * percent)
     held = (x, v, peak, 0.0)

@@ -63,7 +63,10 @@ class Family:
             yield self._timed(least)
             missing = 0.0
         # w² − least² = missing / lift, so that a small rise of a fast motion keeps its digits
-        gain = missing / (0.5 / task.a_max - 0.5 / task.a_min)
+        lift = 0.5 / task.a_max - 0.5 / task.a_min
+        if not lift:
+            raise OverflowError
+        gain = missing / lift
         square = least * least + gain
         if abs(square) <= ROUNDING * least * least:
             square = 0.0

@@ -87,6 +87,17 @@ def taylor(row: Sequence[float], time: float) -> tuple[float, ...]:
     return tuple(later)
 
 
+def in_own_units(task: Task) -> tuple[Task, float, float]:
+    """Return a task in its own units, and those of time and distance."""
+    time, length = own_units(task)
+    if not length / time / time / time:
+        raise OverflowError
+    scaled = task.in_units(time, length)
+    if not (scaled.a_min and scaled.a_max and scaled.fall and scaled.rise):
+        raise OverflowError
+    return scaled, time, length
+
+
 def own_units(task: Task) -> tuple[float, float]:
     """Return units of time and distance in which the task's numbers are of order one.
 
@@ -108,7 +119,7 @@ def own_units(task: Task) -> tuple[float, float]:
     ]
     span = max(spans, default=0)
     time, length = ldexp(1.0, span), ldexp(1.0, _exponent(power) + n * span if spans else 0)
-    if not (time and length):
+    if not (time**n and length):
         raise OverflowError
     return time, length
 

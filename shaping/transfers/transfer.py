@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..checks import in_range
+from ..checks import finite, in_range
 from ..limits import Limits
 from .infeasible import unreachable
 from .problem import Problem, State, Transfer, check_order, checked_state
@@ -109,6 +109,7 @@ def velocity_transfer(
     """
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
+    velocity, acceleration = finite("velocity", velocity), finite("acceleration", acceleration)
     if limits.order == 2 and acceleration != 0.0:
         raise ValueError(
             f"acceleration = {acceleration!r}: at order 2 it may jump and cannot be asked for; "
