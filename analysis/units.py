@@ -253,6 +253,29 @@ def convert(value: float, unit: str) -> float:
     return value / factor(unit)
 
 
+def conversion(unit: str, to: str) -> float:
+    """Return how many of one unit are in another: 1000 for "arcsec" to "mas".
+
+    Parameters
+    ----------
+    unit, to : str
+        Units, as for `factor`.
+
+    Raises
+    ------
+    UnitError
+        If either is not one, or they differ in dimension.
+    """
+    try:
+        scale, dimension = _root(unit)
+        other, wanted = _root(to)
+        if dimension != wanted:
+            raise UnitError(f"has not the dimension of {show(to)}")
+        return _scaled("1", scale / other)
+    except UnitError as error:
+        raise UnitError(f"{show(unit)} {error}; write a unit such as 'arcsec'") from None
+
+
 def parse_unit(text: object, kinds: Sequence[Kind]) -> str:
     """Read a unit without a number, such as "arcsec".
 

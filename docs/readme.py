@@ -16,7 +16,17 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
-FOLDERS = ("shaping", "plant", "analysis", "examples", "notebooks", "benchmarks", "docs", "tests")
+FOLDERS = (
+    "jounce",
+    "shaping",
+    "plant",
+    "analysis",
+    "examples",
+    "notebooks",
+    "benchmarks",
+    "docs",
+    "tests",
+)
 
 
 def replace_part(name: str, text: str) -> None:

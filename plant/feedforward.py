@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..shaping.checks import finite
+from .linear_system import static_gain
 
 if TYPE_CHECKING:
     import control
@@ -31,12 +32,7 @@ class InertiaFeedforward:
 
     def system(self) -> control.StateSpace:
         """Return the python-control system r_acceleration → u_feedforward (a gain)."""
-        import control
-
-        return control.ss(
-            [],
-            [],
-            [],
+        return static_gain(
             [[self.J_hat]],
             inputs=["r_acceleration"],
             outputs=["u_feedforward"],

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from .inertia import Inertia
+from .linear_system import linear_system
 
 if TYPE_CHECKING:
     import control
@@ -109,8 +110,6 @@ class PID:
         >>> complex(digital(-1.0)).real
         6.5
         """
-        import control
-
         dt = positive("dt", dt)
         if rate not in ("measured", "differenced"):
             raise ValueError(f"rate = {rate!r}: expected 'measured' or 'differenced'")
@@ -123,11 +122,14 @@ class PID:
             )
         memory = [("e_integral", 1.0, dt, self.ki), ("e_past", 0.0, 1.0, -slope)]
         memory = [state for state in memory if state[-1] != 0.0]
-        return control.ss(
+        matrices = (
             np.diag([kept for _, kept, _, _ in memory]),
             [[added, 0.0] if measured else [added] for _, _, added, _ in memory],
             [[gain for _, _, _, gain in memory]],
             [[direct, self.kr] if measured else [direct]],
+        )
+        return linear_system(
+            matrices,
             dt,
             inputs=["e", "e_rate"] if measured else ["e"],
             outputs=["u_feedback"],

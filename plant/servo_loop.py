@@ -16,6 +16,7 @@ from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
+from .linear_system import static_gain
 from .pid import PID, Rate
 from .respond import respond_on_grid
 from .sampled import loop_behind
@@ -198,9 +199,9 @@ class ServoLoop(Frozen):
                 plant,
                 self.controller.system(),
                 self._feedforward.system(),
-                control.summing_junction(["r", "-y"], "e", name="error"),
-                control.summing_junction(["r_rate", "-y_rate"], "e_rate", name="error_rate"),
-                control.summing_junction(["u_feedback", "u_feedforward"], "u", name="torque"),
+                _sum([1.0, -1.0], ["r", "y"], "e"),
+                _sum([1.0, -1.0], ["r_rate", "y_rate"], "e_rate"),
+                _sum([1.0, 1.0], ["u_feedback", "u_feedforward"], "u"),
             ],
             inplist=["r", "r_rate", "r_acceleration"],
             outlist=outputs,
@@ -269,6 +270,10 @@ class ServoLoop(Frozen):
         for row in (outputs[0], states[0], inputs[0], *outputs[3:4]):
             row += start
         return LoopResponse(time, inputs, outputs, states)
+
+
+def _sum(signs: list[float], parts: list[str], whole: str) -> control.StateSpace:
+    return static_gain([signs], inputs=parts, outputs=[whole], name=f"sum_{whole}")
 
 
 def _filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArray:

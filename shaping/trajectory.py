@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..core.binding import Pieces
-from .checks import finite, in_range, positive
+from .checks import finite, in_range, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
 from .limits import Limits
@@ -88,8 +88,8 @@ class Trajectory(Frozen):
                 f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
                 "position and one value per derivative"
             )
-        if coasting is not None and not -1 <= coasting < rows.shape[1] - 1:
-            raise ValueError(f"coasting = {coasting!r}: expected -1 to {rows.shape[1] - 2}")
+        if coasting is not None:
+            coasting = whole("coasting", coasting, -1, rows.shape[1] - 2)
         self._fill(times, rows, lengths, end, coasting)
 
     @classmethod
@@ -429,7 +429,7 @@ class Trajectory(Frozen):
         time_unit: str = "s",
         scale: float = 1.0,
     ) -> Figure:
-        """Return a picture: position and every derivative, coloured where its limit is active.
+        """Draw a picture: position and every derivative, coloured where its limit is active.
 
         Parameters
         ----------
@@ -445,7 +445,8 @@ class Trajectory(Frozen):
         Returns
         -------
         Figure
-            Of matplotlib, as `jounce.analysis.plots.plot_trajectory` draws it.
+            As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
+            empty, else a new one of pyplot's.
 
         Raises
         ------

@@ -98,6 +98,7 @@ NOUNS = [
     periodic_response(LIMITER, 1.0, 1.0),
     first_order_lag(describing_function(LIMITER, 2.0, [1.0, 2.0])),
 ]
+NAMES = [f"{type(noun).__name__} {i}" for i, noun in enumerate(NOUNS)]
 COPIES = {
     "copy": copy.copy,
     "deep copy": copy.deepcopy,
@@ -127,7 +128,7 @@ def parts(value, path="it"):
             yield from parts(part, f"{path}[{name!r}]")
 
 
-@pytest.mark.parametrize("noun", NOUNS, ids=lambda noun: type(noun).__name__)
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
 @pytest.mark.parametrize("way", COPIES.values(), ids=COPIES)
 def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun, way):
     kept, copied = dict(parts(noun)), dict(parts(way(noun)))
@@ -144,7 +145,7 @@ def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun, way):
     assert repr(way(noun)) == repr(noun)
 
 
-@pytest.mark.parametrize("noun", NOUNS, ids=lambda noun: type(noun).__name__)
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
 def test_every_noun_shows_itself(noun):
     assert repr(noun).startswith(type(noun).__name__)
     assert str(noun)

@@ -101,7 +101,7 @@ class ManyMargins(Frozen):
         margin : str, optional
             Name of the margin.
         ax : Axes, optional
-            Default: the Axes of a new figure, `ax.figure`.
+            Default: pyplot's current ones.
         levels : sequence of float, optional
             Of the contours; default: chosen to fit.
         xlabel, ylabel : str, optional

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
+from ...shaping.frozen import Frozen
 from ...shaping.real_numbers import real_array
 from .periodic import TRIANGLE, rate_limited_harmonic
 from .sine_sweep import checked_sweep
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class FirstOrderLag:
+class FirstOrderLag(Frozen):
     """The lags L = 1/(1 + jω/ω_c) that come nearest to a describing function, one per amplitude.
 
     Attributes
