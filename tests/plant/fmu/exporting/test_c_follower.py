@@ -164,10 +164,3 @@ def test_limits_can_be_tuned_while_it_runs():
     rows = host.record([DT] * 40, *STATES)
     host.close()
     np.testing.assert_allclose(rows, expected, rtol=1e-13)
-
-
-def test_order_three_is_refused(tmp_path):
-    follower = CommandFollower(Limits(velocity=1.0, jerk=3.0), dt=0.1)
-    with pytest.raises(ValueError, match="order 3 cannot be exported"):
-        export_fmu(follower, tmp_path / "a.fmu")
-    assert not list(tmp_path.iterdir())
