@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .cosimulation.cosimulate import cosimulate
     from .cosimulation.cosimulation_result import CosimulationResult
+    from .cosimulation.load_ssp import load_ssp
+    from .cosimulation.ssp_system import SspSystem
     from .exporting.compile import CompilerError
     from .exporting.export import FmuExport, export_fmu
     from .exporting.loop_blocks import SampledController
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 # Imported when they are first asked for.
 _LATER = {
     "SspExport": "exporting.ssp",
+    "SspSystem": "cosimulation.ssp_system",
     "export_ssp": "exporting.ssp",
     "export_ssp_of": "exporting.ssp",
     "CompilerError": "exporting.compile",
@@ -37,6 +40,7 @@ _LATER = {
     "io_system": "importing.io_system",
     "linearize_fmu": "importing.linearize",
     "load_fmu": "importing.load",
+    "load_ssp": "cosimulation.load_ssp",
 }
 
 __all__ = [
@@ -50,6 +54,7 @@ __all__ = [
     "FmuVariable",
     "SampledController",
     "SspExport",
+    "SspSystem",
     "cosimulate",
     "export_fmu",
     "export_ssp",
@@ -58,6 +63,7 @@ __all__ = [
     "io_system",
     "linearize_fmu",
     "load_fmu",
+    "load_ssp",
 ]
 
 

@@ -61,8 +61,14 @@ def cosimulate(
         on from their present state and stay where the run ends; linear systems begin at rest. A
         trajectory has the outputs position, velocity, … .
     connections : pairs (source, target), or mapping of source to target or targets
-        "block.signal" each. A source may begin with "-", or be a number; several sources of one
-        target are added. Inputs of FMUs that are not connected stay as they are.
+        "block.signal" each. A source may begin with "-" or a gain, as in "57.3*plant.y", or be
+        known in advance: a number, a Trajectory (its position), a function of time, or a pair of
+        arrays (times, values); then the target is given its value at t_k for the step from t_k.
+        A table's values are joined by straight lines, for discrete inputs held; beyond its ends it
+        is held. Several sources of one target are added. Inputs of FMUs that are not connected
+        stay as they are. Where both ends have units of one dimension, numbers are converted
+        (rad to deg), by the base units that the FMUs declare, else by the units' names; with a
+        gain they are not, for then it is the gain that leads from one unit to the other.
     dt : float
         Communication step; discrete systems must have it as theirs.
     duration : float
@@ -82,7 +88,7 @@ def cosimulate(
         For a block of another kind.
     FmuError
         A ValueError, for names that nothing has, loose inputs of linear systems, algebraic loops,
-        units of FMUs that differ, a duration that is no multiple of dt, FMUs that stand at
+        units of different dimension, a duration that is no multiple of dt, FMUs that stand at
         different times, signals that leave the range of a double, and whatever an FMU reports.
 
     References
@@ -111,20 +117,22 @@ def cosimulate(
     time = _grid(start_time(blocks.items()), dt, positive("duration", duration))
     method, sequence = _order(order, list(blocks))
     parts = {name: participant(name, block, dt, time) for name, block in blocks.items()}
-    wiring = connect(parts, connections)
     values = len(time) * sum(len(part.outputs) + len(part.inputs) for part in parts.values())
     if values > MAX_VALUES:
         raise FmuError(
             f"{len(time)} communication points of these blocks are {values} values: expected at "
             f"most {MAX_VALUES}; use a larger dt or a shorter duration"
         )
+    wiring = connect(parts, connections, time)
     sources = frozenset(n for n, block in blocks.items() if isinstance(block, Trajectory))
     with _bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
         run = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
         signals = MappingProxyType(run)
     delays, extra = _delays(wiring, method, sequence, sources)
     outputs = tuple(f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs)
-    return CosimulationResult(time, signals, outputs, tuple(sequence), method, delays, extra)
+    return CosimulationResult(
+        time, signals, outputs, tuple(sequence), method, delays, extra, wiring.notes
+    )
 
 
 def _delays(
@@ -159,9 +167,9 @@ def _run(
     """Return the signals of all blocks by name."""
     places, shown = _places(parts), np.concatenate([part.start() for part in parts.values()])
     outputs = np.empty((len(time), len(shown)))
-    inputs = {name: np.empty((len(time), len(part.inputs))) for name, part in parts.items()}
+    inputs = wiring.given  # to which is added, step by step, what the blocks show
     turns = [
-        (parts[n].step, wiring.constants[n], wiring.weights[n], places[n], inputs[n])
+        (parts[n].step, wiring.weights[n], places[n], inputs[n])
         for n in sequence
         if n not in sources
     ]
@@ -171,9 +179,9 @@ def _run(
     outputs[0] = shown
     for k in range(steps):
         seen = shown.copy() if at_once else shown
-        for step, constants, weights, place, record in turns:
-            u = constants + weights @ seen
-            record[k] = u
+        for step, weights, place, record in turns:
+            u = record[k]
+            u += weights @ seen
             shown[place] = step(u)
         for step, place, nothing in given:
             shown[place] = step(nothing)

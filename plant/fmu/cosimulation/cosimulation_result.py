@@ -39,6 +39,8 @@ class CosimulationResult:
     loops : mapping of str to int
         By loop of blocks: samples of delay beyond those of a sampled loop with a zero-order hold,
         which are the delays around the loop less 1.
+    notes : tuple of str
+        Units that were converted, and tables that ended before the run.
     """
 
     time: FloatArray
@@ -48,6 +50,7 @@ class CosimulationResult:
     method: str
     delays: Mapping[str, int]
     loops: Mapping[str, int]
+    notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> FloatArray:
         if name not in self.signals:
@@ -67,6 +70,7 @@ class CosimulationResult:
                     f"  loop {text}: {extra} samples beyond a zero-order hold"
                     for text, extra in self.loops.items()
                 ),
+                *(f"  {note}" for note in self.notes),
             ]
         )
 

@@ -12,8 +12,9 @@ from ....shaping import Trajectory
 from ....shaping.derivatives import derivative_name
 from ....shaping.pieces import FloatArray
 from ...sampled import zero_order_hold
-from ..importing.description import FmuError
+from ..importing.description import FmuDescription, FmuError, FmuUnit
 from ..importing.stepping import Fmu
+from .conversion import unit_of
 
 _SAME_DT = 1e-9
 
@@ -22,15 +23,16 @@ class Participant(Protocol):
     """A block of a co-simulation.
 
     `held` are the inputs where nothing is connected, nan where something must be; `through`
-    (outputs, inputs) is True where an output of a step passes an input on within no time; `units`
-    are those of the signals that have one.
+    (outputs, inputs) is True where an output of a step passes an input on within no time; `steps`
+    is True for inputs that change in steps only; `units` are those of the signals that have one.
     """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     held: FloatArray
     through: Any
-    units: Mapping[str, str]
+    steps: tuple[bool, ...]
+    units: Mapping[str, FmuUnit]
 
     def start(self) -> FloatArray:
         """Return the outputs before the first step."""
@@ -80,6 +82,13 @@ def start_time(blocks: Iterable[tuple[str, Any]]) -> float:
     return next(iter(times.values()), 0.0)
 
 
+def units_of(description: FmuDescription) -> dict[str, FmuUnit]:
+    """Return the unit of each variable of an FMU that has one, by its labels."""
+    named = [v for v in description.variables if v.unit not in ("", "1")]
+    known = {name: unit_of(name, description.units) for name in {v.unit for v in named}}
+    return {label: known[v.unit] for v in named for label in v.labels}
+
+
 class _FmuBlock:
     def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
@@ -87,10 +96,14 @@ class _FmuBlock:
             raise FmuError(f"block {name!r} has no outputs that are numbers: leave it out")
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
-        numeric = fmu.description.of_causality("input", "output")
-        self.units: Mapping[str, str] = {
-            label: v.unit for v in numeric if v.unit not in ("", "1") for label in v.labels
+        stepped = {
+            label
+            for v in fmu.description.of_causality("input")
+            for label in v.labels
+            if v.variability != "continuous"
         }
+        self.steps = tuple(label in stepped for label in self.inputs)
+        self.units: Mapping[str, FmuUnit] = units_of(fmu.description)
         self._fmu = fmu
         self._dt = dt
 
@@ -126,7 +139,8 @@ class _Linear:
             )
         self.held = np.full(len(self.inputs), np.nan)
         self.through = held.D != 0.0
-        self.units: Mapping[str, str] = {}
+        self.steps = (False,) * len(self.inputs)
+        self.units: Mapping[str, FmuUnit] = {}
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
         self._before = held.C * late[:, None]
@@ -152,7 +166,8 @@ class _Source:
         self.outputs = tuple(derivative_name(k) for k in range(trajectory.order + 1))
         self.held = np.zeros(0)
         self.through = np.zeros((len(self.outputs), 0), dtype=bool)
-        self.units: Mapping[str, str] = {}
+        self.steps: tuple[bool, ...] = ()
+        self.units: Mapping[str, FmuUnit] = {}
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
 

@@ -77,7 +77,7 @@ def load_fmu(
     if dt is not None:
         dt = positive("dt", dt)
     with open_fmu(Path(path)) as (archive, digest):
-        _check_digest(path, digest, sha256)
+        check_digest(path, digest, sha256)
         description = describe(archive, digest)
         _check_loadable(description)
         session = Session(Path(tempfile.mkdtemp(prefix="jounce_fmu_")))
@@ -119,7 +119,8 @@ def _suggested(step_size: float) -> float:
     return step_size
 
 
-def _check_digest(path: object, found: str, expected: str | None) -> None:
+def check_digest(path: object, found: str, expected: str | None) -> None:
+    """Refuse a file that is not the one that was pinned."""
     if expected is not None and not isinstance(expected, str):
         raise TypeError(f"sha256 = {expected!r}: expected a string of hexadecimal digits")
     if expected is not None and found != expected.strip().lower():

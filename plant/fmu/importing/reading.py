@@ -117,7 +117,7 @@ def describe(archive: zipfile.ZipFile, sha256: str) -> FmuDescription:
         version=head.text("version", ""),
         generation_tool=head.text("generationTool", ""),
         variables=variables,
-        units=tuple(_unit(element) for element in each(root, "UnitDefinitions")),
+        units=tuple(read_unit(element) for element in each(root, "UnitDefinitions")),
         platforms=_platforms(names, identifier),
         has_sources=any(name.startswith("sources/") and name[-1] != "/" for name in names),
         capabilities=_capabilities(found.get(CO_SIMULATION)),
@@ -204,7 +204,8 @@ def _experiment(element: Element | None) -> DefaultExperiment:
     )
 
 
-def _unit(element: Element) -> FmuUnit:
+def read_unit(element: Element) -> FmuUnit:
+    """Return the unit that an element Unit defines."""
     name = Attributes(element, "UnitDefinitions").text("name")
     base = element.find("BaseUnit")
     if base is None:
