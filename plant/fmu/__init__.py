@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .cosimulation.cosimulate import cosimulate
     from .cosimulation.cosimulation_result import CosimulationResult
+    from .cosimulation.fmu_system import FmuSystem
     from .cosimulation.load_ssp import load_ssp
-    from .cosimulation.ssp_system import SspSystem
     from .exporting.compile import CompilerError
     from .exporting.export import FmuExport, export_fmu
     from .exporting.loop_blocks import SampledController
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 # Imported when they are first asked for.
 _LATER = {
     "SspExport": "exporting.ssp",
-    "SspSystem": "cosimulation.ssp_system",
     "export_ssp": "exporting.ssp",
     "export_ssp_of": "exporting.ssp",
     "CompilerError": "exporting.compile",
@@ -32,6 +31,7 @@ _LATER = {
     "FmuError": "importing.description",
     "FmuExport": "exporting.export",
     "FmuState": "importing.stepping",
+    "FmuSystem": "cosimulation.fmu_system",
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "cosimulate": "cosimulation.cosimulate",
@@ -51,10 +51,10 @@ __all__ = [
     "FmuError",
     "FmuExport",
     "FmuState",
+    "FmuSystem",
     "FmuVariable",
     "SampledController",
     "SspExport",
-    "SspSystem",
     "cosimulate",
     "export_fmu",
     "export_ssp",

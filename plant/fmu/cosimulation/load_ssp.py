@@ -10,16 +10,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..importing.description import FmuDescription, FmuError
+from ..importing.description import FmuError
 from ..importing.load import check_digest, load_fmu
 from ..importing.reading import inspect_fmu
 from ..importing.stepping import Fmu
 from ..importing.unpacking import open_fmu
+from .fmu_system import FmuSystem
 from .ssp_plan import SspPlan
 from .ssp_reading import read_ssp
-from .ssp_system import SspSystem
 
 
 def load_ssp(
@@ -36,7 +36,7 @@ def load_ssp(
     max_unpacked_bytes: int | None = None,
     isolated: bool = False,
     timeout: float | None = None,
-) -> SspSystem:
+) -> FmuSystem:
     """Return the system of an SSP 1.0 file, its FMUs loaded and initialised, ready to run.
 
     **This runs native code from the file**, as `load_fmu` does.
@@ -63,7 +63,7 @@ def load_ssp(
 
     Returns
     -------
-    SspSystem
+    FmuSystem
 
     Raises
     ------
@@ -92,7 +92,6 @@ def load_ssp(
     """
     given = {
         "dt": dt,
-        "start_time": start_time,
         "stop_time": stop_time,
         "tolerance": tolerance,
         "log": log,
@@ -100,67 +99,95 @@ def load_ssp(
         "isolated": isolated,
         "timeout": timeout,
     }
-    with open_fmu(Path(path)) as (archive, digest), ExitStack() as opened:
-        check_digest(path, digest, sha256)
-        structure = read_ssp(archive)
-        if start_time is None:
-            given["start_time"] = structure.start_time or 0.0
-        folder = Path(opened.enter_context(tempfile.TemporaryDirectory(prefix="jounce_ssp_")))
-        files = {c.name: (c.entry, _file(c.entry, archive, folder)) for c in structure.components}
-        described = {}
-        for name, (entry, file) in files.items():
-            with _told_of(name, entry, file):
-                described[name] = inspect_fmu(file)
-        plan = SspPlan(structure, described)
+    with _opened(Path(path), sha256, max_unpacked_bytes) as (plan, files), ExitStack() as loaded:
+        structure = plan.structure
+        given["start_time"] = structure.start_time or 0.0 if start_time is None else start_time
         settings, notes = plan.settings(parameters or {})
         recorded = plan.recorded(record)
         blocks: dict[str, Fmu] = {}
-        with ExitStack() as loaded:
-            for name, (entry, file) in files.items():
-                with _told_of(name, entry, file):
-                    own = {
-                        "sha256": described[name].sha256,
-                        "parameters": settings[name],
-                        "record": recorded[name],
-                        **given,
-                    }
-                    blocks[name] = loaded.enter_context(load_fmu(file, **_present(own)))
-            system = SspSystem(
-                structure.name,
-                MappingProxyType(blocks),
-                plan.connections(),
-                MappingProxyType(plan.inputs()),
-                MappingProxyType(plan.outputs()),
-                _step(described.values(), blocks.values()) if dt is None else dt,
-                structure.stop_time if stop_time is None else stop_time,
-                notes,
-            )
-            loaded.pop_all()
+        for name, file in files.items():
+            own = {"parameters": settings[name], "record": recorded[name], **given}
+            digest = plan.descriptions[name].sha256
+            with _told_of(name, file):
+                blocks[name] = loaded.enter_context(
+                    load_fmu(file.path, sha256=digest, **_present(own))
+                )
+        system = FmuSystem(
+            name=structure.name,
+            blocks=MappingProxyType(blocks),
+            connections=plan.connections(),
+            inputs=MappingProxyType(plan.inputs()),
+            outputs=MappingProxyType(plan.outputs()),
+            units=MappingProxyType(plan.units()),
+            dt=_step(plan, blocks) if dt is None else dt,
+            stop_time=structure.stop_time if stop_time is None else stop_time,
+            notes=notes,
+        )
+        loaded.pop_all()
         return system
 
 
-def _file(entry: str, archive: zipfile.ZipFile, folder: Path) -> Path:
-    """Return an entry of the archive as a file, written once."""
+def inspect_ssp(path: str | os.PathLike[str], *, max_unpacked_bytes: int | None = None) -> SspPlan:
+    """Return what an SSP and its FMUs say of themselves; nothing of them is run.
+
+    Raises
+    ------
+    OSError, FmuError
+        As `load_ssp` does.
+    """
+    with _opened(Path(path), None, max_unpacked_bytes) as (plan, _):
+        return plan
+
+
+class _File(NamedTuple):
+    """An FMU of the archive: its entry, and where that was written to."""
+
+    entry: str
+    path: Path
+
+
+@contextmanager
+def _opened(
+    path: Path, sha256: str | None, limit: int | None
+) -> Iterator[tuple[SspPlan, dict[str, _File]]]:
+    """Yield what an SSP says, and its FMUs as files that are there for the while."""
+    with (
+        open_fmu(path) as (archive, digest),
+        tempfile.TemporaryDirectory(prefix="jounce_ssp_") as folder,
+    ):
+        check_digest(path, digest, sha256)
+        structure = read_ssp(archive)
+        files = {c.name: _file(c.entry, archive, Path(folder)) for c in structure.components}
+        described = {}
+        for name, file in files.items():
+            with _told_of(name, file):
+                described[name] = inspect_fmu(file.path)
+        yield SspPlan(structure, described, digest), files
+
+
+def _file(entry: str, archive: zipfile.ZipFile, folder: Path) -> _File:
+    """Write an entry of the archive to a file, once."""
     path = folder / f"{archive.namelist().index(entry)}.fmu"
     if not path.exists():
         with archive.open(entry) as source, path.open("xb") as copy:
             shutil.copyfileobj(source, copy)
-    return path
+    return _File(entry, path)
 
 
 @contextmanager
-def _told_of(name: str, entry: str, file: Path) -> Iterator[None]:
+def _told_of(name: str, file: _File) -> Iterator[None]:
     """Begin errors with the component that they are about."""
     try:
         yield
     except FmuError as error:
-        raise FmuError(f"component {name!r}: {str(error).replace(str(file), entry)}") from None
+        told = str(error).replace(str(file.path), file.entry)
+        raise FmuError(f"component {name!r}: {told}") from None
 
 
-def _step(described: Iterable[FmuDescription], blocks: Iterable[Fmu]) -> float | None:
+def _step(plan: SspPlan, blocks: Mapping[str, Fmu]) -> float | None:
     """Return the least step that an FMU suggests itself, or else its loader."""
-    declared = [d.default_experiment.step_size for d in described]
-    found = [step for step in declared if step] or [fmu.dt for fmu in blocks if fmu.dt]
+    declared = [d.default_experiment.step_size for d in plan.descriptions.values()]
+    found = [s for s in declared if s] or [fmu.dt for fmu in blocks.values() if fmu.dt]
     return min(found, default=None)
 
 

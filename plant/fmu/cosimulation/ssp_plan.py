@@ -19,10 +19,14 @@ _SAME = (1.0, 0.0)
 
 @dataclass(frozen=True)
 class SspPlan:
-    """A system with the description of each of its FMUs, by name of the component."""
+    """A system with the description of each of its FMUs, by name of the component.
+
+    `sha256` is that of the whole file.
+    """
 
     structure: SystemStructure
     descriptions: Mapping[str, FmuDescription]
+    sha256: str
 
     @cached_property
     def _units(self) -> dict[str, dict[str, FmuUnit]]:
@@ -99,6 +103,14 @@ class SspPlan:
             for route in self.structure.routes
             if route.source[0] and not route.target[0]
         }
+
+    def units(self) -> dict[str, FmuUnit]:
+        """Return the unit of each variable, and of each input and output of the system."""
+        found = {f"{b}.{n}": unit for b, own in self._units.items() for n, unit in own.items()}
+        ends = {**self.outputs(), **{name: fed[0] for name, fed in self.inputs().items() if fed}}
+        alike = {name: end for name, (end, *by) in ends.items() if by == [*_SAME]}
+        found |= {name: found[end] for name, end in alike.items() if end in found}
+        return found | {n: self._named(u) for n, u in self.structure.named_units.items()}
 
     def recorded(self, names: Iterable[str]) -> dict[str, list[str]]:
         """Return what to record of each component."""

@@ -68,6 +68,7 @@ def read_ssp(archive: zipfile.ZipFile) -> SystemStructure:
         routes=tuple(_routes(system, edges, found)),
         values=tuple(values),
         inputs=tuple(name for name, kind in system.kinds.items() if kind in _IN),
+        named_units=system.units,
         units=units,
         start_time=said.number("startTime"),
         stop_time=said.number("stopTime"),

@@ -73,6 +73,8 @@ class SystemStructure:
         In the order in which they are to be taken: later ones count.
     inputs : tuple of str
         Of the system as a whole, its parameters among them.
+    named_units : mapping of str to str
+        Names of the units of inputs and outputs of the system, where the file gives them.
     units : tuple of FmuUnit
     start_time, stop_time : float or None
         Default experiment.
@@ -84,6 +86,7 @@ class SystemStructure:
     routes: tuple[Route, ...]
     values: tuple[Value, ...]
     inputs: tuple[str, ...]
+    named_units: Mapping[str, str]
     units: tuple[FmuUnit, ...]
     start_time: float | None
     stop_time: float | None

@@ -1,4 +1,4 @@
-"""The FMUs of an SSP file, connected as it says: run, fed from outside, its outputs shown."""
+"""FMUs and what connects them, as one system: run, fed from outside, its outputs shown."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from typing import Literal, Self
 import numpy as np
 
 from ....shaping.checks import positive
-from ..importing.description import FmuError, candidates
+from ..importing.description import FmuError, FmuUnit, candidates
 from ..importing.stepping import Fmu
 from .cosimulate import cosimulate
 from .cosimulation_result import CosimulationResult
 from .over_time import Source, scaled
+from .participants import units_of
 
 _NEARLY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class SspSystem:
-    """The FMUs of an SSP file, initialised, with what connects them; a context manager.
+class FmuSystem:
+    """FMUs, initialised, with what connects them: those of an SSP file. A context manager.
 
     Attributes
     ----------
@@ -36,6 +37,8 @@ class SspSystem:
         What each input of the system as a whole feeds.
     outputs : mapping of str to (source, gain, offset)
         What each output of the system as a whole shows.
+    units : mapping of str to FmuUnit
+        Of inputs and outputs of the system, and by "component.variable", where they have one.
     dt : float or None
         Least step that one of the FMUs suggests.
     stop_time : float or None
@@ -49,9 +52,10 @@ class SspSystem:
     connections: tuple[tuple[Source, str], ...]
     inputs: Mapping[str, tuple[tuple[str, float, float], ...]]
     outputs: Mapping[str, tuple[str, float, float]]
+    units: Mapping[str, FmuUnit]
     dt: float | None
     stop_time: float | None
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
     def __enter__(self) -> Self:
         return self
@@ -103,6 +107,13 @@ class SspSystem:
         )
         return self._with_outputs(found)
 
+    @property
+    def free_inputs(self) -> tuple[str, ...]:
+        """Inputs that nothing feeds, "component.input"."""
+        taken = {target for _, target in self.connections}
+        known = [f"{own}.{name}" for own, fmu in self.blocks.items() for name in fmu.input_names]
+        return tuple(name for name in known if name not in taken)
+
     def _lasting(self, dt: float) -> float:
         start = next(iter(self.blocks.values())).time
         if self.stop_time is None or not self.stop_time > start:
@@ -115,14 +126,13 @@ class SspSystem:
         for name, source in inputs.items():
             if name in taken:
                 raise FmuError(f"input {name!r} is connected within {self.name}; leave it out")
-            known = [f"{own}.{u}" for own, fmu in self.blocks.items() for u in fmu.input_names]
             if name in self.inputs:
                 found += [(scaled(source, *by), target) for target, *by in self.inputs[name]]
-            elif name in known:
+            elif name in self.free_inputs:
                 found.append((source, name))
             else:
-                free = [*self.inputs, *(each for each in known if each not in taken)]
-                raise FmuError(f"{self.name} has no input {name!r}{candidates(name, free)}")
+                known = (*self.inputs, *self.free_inputs)
+                raise FmuError(f"{self.name} has no input {name!r}{candidates(name, known)}")
         return found
 
     def _with_outputs(self, found: CosimulationResult) -> CosimulationResult:
@@ -136,3 +146,21 @@ class SspSystem:
             outputs=(*shown, *found.outputs),
             notes=(*self.notes, *found.notes),
         )
+
+
+def system_of(fmu: Fmu) -> FmuSystem:
+    """Return one FMU as a system, its inputs those of the system."""
+    description = fmu.description
+    own = description.model_identifier
+    units = units_of(description)
+    named = {f"{own}.{label}": unit for label, unit in units.items()}
+    return FmuSystem(
+        name=description.model_name,
+        blocks=MappingProxyType({own: fmu}),
+        connections=(),
+        inputs=MappingProxyType({n: ((f"{own}.{n}", 1.0, 0.0),) for n in fmu.input_names}),
+        outputs=MappingProxyType({}),
+        units=MappingProxyType({**units, **named}),
+        dt=fmu.dt,
+        stop_time=description.default_experiment.stop_time,
+    )
