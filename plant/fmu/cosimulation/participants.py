@@ -84,12 +84,14 @@ class _FmuBlock:
     def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
         if not self.outputs:
-            raise FmuError(f"block {name!r} has no outputs that are numbers: leave it out")
+            raise FmuError(
+                f"block {name!r} has no outputs that are numbers: leave it out, or load "
+                "it with record=[…], the variables to show"
+            )
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
-        numeric = fmu.description.of_causality("input", "output")
         self.units: Mapping[str, str] = {
-            label: v.unit for v in numeric if v.unit not in ("", "1") for label in v.labels
+            label: unit for label, unit in fmu.units.items() if unit not in ("", "1")
         }
         self._fmu = fmu
         self._dt = dt
