@@ -90,14 +90,13 @@ def load_ssp(
     >>> run.order
     ('controller', 'plant', 'shaper')
     """
-    given = {
+    given: dict[str, Any] = {
         "dt": dt,
         "stop_time": stop_time,
         "tolerance": tolerance,
         "log": log,
         "max_unpacked_bytes": max_unpacked_bytes,
-        "isolated": isolated,
-        "timeout": timeout,
+        **({"isolated": True, "timeout": timeout} if isolated else {}),
     }
     with _opened(Path(path), sha256, max_unpacked_bytes) as (plan, files), ExitStack() as loaded:
         structure = plan.structure
@@ -109,9 +108,7 @@ def load_ssp(
             own = {"parameters": settings[name], "record": recorded[name], **given}
             digest = plan.descriptions[name].sha256
             with _told_of(name, file):
-                blocks[name] = loaded.enter_context(
-                    load_fmu(file.path, sha256=digest, **_present(own))
-                )
+                blocks[name] = loaded.enter_context(load_fmu(file.path, sha256=digest, **own))
         system = FmuSystem(
             name=structure.name,
             blocks=MappingProxyType(blocks),
@@ -152,7 +149,7 @@ def _opened(
 ) -> Iterator[tuple[SspPlan, dict[str, _File]]]:
     """Yield what an SSP says, and its FMUs as files that are there for the while."""
     with (
-        open_fmu(path) as (archive, digest),
+        open_fmu(path, limit) as (archive, digest),
         tempfile.TemporaryDirectory(prefix="jounce_ssp_") as folder,
     ):
         check_digest(path, digest, sha256)
@@ -161,7 +158,7 @@ def _opened(
         described = {}
         for name, file in files.items():
             with _told_of(name, file):
-                described[name] = inspect_fmu(file.path)
+                described[name] = inspect_fmu(file.path, max_unpacked_bytes=limit)
         yield SspPlan(structure, described, digest), files
 
 
@@ -189,7 +186,3 @@ def _step(plan: SspPlan, blocks: Mapping[str, Fmu]) -> float | None:
     declared = [d.default_experiment.step_size for d in plan.descriptions.values()]
     found = [s for s in declared if s] or [fmu.dt for fmu in blocks.values() if fmu.dt]
     return min(found, default=None)
-
-
-def _present(options: Mapping[str, Any]) -> dict[str, Any]:
-    return {k: v for k, v in options.items() if v or k in ("start_time", "parameters")}

@@ -93,7 +93,10 @@ class _FmuBlock:
     def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
         if not self.outputs:
-            raise FmuError(f"block {name!r} has no outputs that are numbers: leave it out")
+            raise FmuError(
+                f"block {name!r} has no outputs that are numbers: leave it out, or load "
+                "it with record=[…], the variables to show"
+            )
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
         stepped = {
@@ -103,7 +106,11 @@ class _FmuBlock:
             if v.variability != "continuous"
         }
         self.steps = tuple(label in stepped for label in self.inputs)
-        self.units: Mapping[str, FmuUnit] = units_of(fmu.description)
+        self.units: Mapping[str, FmuUnit] = {
+            label: unit_of(unit, fmu.description.units)
+            for label, unit in fmu.units.items()
+            if unit not in ("", "1")
+        }
         self._fmu = fmu
         self._dt = dt
 

@@ -40,7 +40,12 @@ class _Callbacks(ctypes.Structure):
 
 
 def instantiate(
-    library: ctypes.CDLL, description: FmuDescription, resources: Path, log: Log
+    library: ctypes.CDLL,
+    description: FmuDescription,
+    resources: Path,
+    log: Log,
+    *,
+    logging_on: bool = False,
 ) -> Instance:
     """Return a new instance; FmuError, with what the FMU logged, where it refuses."""
     call = Functions(library, "fmi2")
@@ -57,7 +62,7 @@ def instantiate(
         resources.as_uri().encode(),
         ctypes.addressof(callbacks),
         0,
-        1,
+        int(logging_on),
     )
     if not found:
         raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
@@ -84,13 +89,18 @@ def _stepper(call: Functions, handle: c_void_p, rolls_back: bool) -> Callable[[f
     return do_step
 
 
-def _initializer(call: Functions, handle: c_void_p) -> Callable[[float, float | None], int]:
+def _initializer(
+    call: Functions, handle: c_void_p
+) -> Callable[[float, float | None, float | None], int]:
     setup = call("SetupExperiment", c_void_p, c_int, c_double, c_double, c_int, c_double)
     enter = call("EnterInitializationMode", c_void_p)
 
-    def enter_initialization(start_time: float, stop_time: float | None) -> int:
-        defined = int(stop_time is not None)
-        status: int = setup(handle, 0, 0.0, start_time, defined, stop_time or 0.0)
+    def enter_initialization(
+        start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> int:
+        tolerant, stopped = int(tolerance is not None), int(stop_time is not None)
+        times = start_time, stopped, stop_time or 0.0
+        status: int = setup(handle, tolerant, tolerance or 0.0, *times)
         return status if status > WARNING else max(status, enter(handle))
 
     return enter_initialization

@@ -29,7 +29,12 @@ _LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 
 
 def instantiate(
-    library: ctypes.CDLL, description: FmuDescription, resources: Path, log: Log
+    library: ctypes.CDLL,
+    description: FmuDescription,
+    resources: Path,
+    log: Log,
+    *,
+    logging_on: bool = False,
 ) -> Instance:
     """Return a new instance; FmuError, with what the FMU logged, where it refuses."""
     call = Functions(library, "fmi3")
@@ -43,7 +48,7 @@ def instantiate(
     where = os.fsencode(str(resources) + os.sep) if resources.is_dir() else None
     found = function(
         *(description.model_name.encode(), description.token.encode(), where),
-        *(False, True, False, False, None, 0, None, logger, None),
+        *(False, logging_on, False, False, None, 0, None, logger, None),
     )
     if not found:
         raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
@@ -79,12 +84,16 @@ def _stepper(
     return do_step
 
 
-def _initializer(call: Functions, handle: c_void_p) -> Callable[[float, float | None], int]:
+def _initializer(
+    call: Functions, handle: c_void_p
+) -> Callable[[float, float | None, float | None], int]:
     enter = call("EnterInitializationMode", c_void_p, c_bool, c_double, c_double, c_bool, c_double)
 
-    def enter_initialization(start_time: float, stop_time: float | None) -> int:
-        defined = stop_time is not None
-        status: int = enter(handle, False, 0.0, start_time, defined, stop_time or 0.0)
+    def enter_initialization(
+        start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> int:
+        times = start_time, stop_time is not None, stop_time or 0.0
+        status: int = enter(handle, tolerance is not None, tolerance or 0.0, *times)
         return status
 
     return enter_initialization

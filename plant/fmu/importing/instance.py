@@ -52,7 +52,7 @@ class Instance:
     do_step : callable
         Of time and length of the step.
     enter_initialization : callable
-        Of start time and stop time or None.
+        Of start time, stop time or None, tolerance or None.
     state_word : str
         How this version of FMI spells FMUState.
     sized : bool
@@ -67,7 +67,7 @@ class Instance:
         handle: c_void_p,
         *,
         do_step: Callable[[float, float], int],
-        enter_initialization: Callable[[float, float | None], int],
+        enter_initialization: Callable[[float, float | None, float | None], int],
         state_word: str,
         sized: bool,
         kept: object,
@@ -112,15 +112,27 @@ class Instance:
         """Return a call without arguments that puts variables into an array."""
         return self._mover("Get", kind, references, values)
 
-    def set_text(self, reference: int, text: str) -> int:
-        """Set a string."""
-        return self._text("Set", reference, (c_char_p * 1)(text.encode()))
+    def set_text(self, reference: int, texts: Sequence[str]) -> int:
+        """Set all the strings of a variable."""
+        return self._text("Set", reference, (c_char_p * len(texts))(*(t.encode() for t in texts)))
 
-    def get_text(self, reference: int) -> tuple[int, str]:
-        """Return status and a string."""
-        values = (c_char_p * 1)()
+    def get_text(self, reference: int, count: int) -> tuple[int, list[str]]:
+        """Return status and the strings of a variable."""
+        values = (c_char_p * count)()
         status = self._text("Get", reference, values)
-        return status, (values[0] or b"").decode(errors="replace")
+        return status, [(value or b"").decode(errors="replace") for value in values]
+
+    def set_binary(self, reference: int, values: Sequence[bytes]) -> int:
+        """Set all the values of a binary variable; FMI 3.0 only."""
+        sizes = (c_size_t * len(values))(*map(len, values))
+        return self._binary("Set", reference, sizes, (c_char_p * len(values))(*values))
+
+    def get_binary(self, reference: int, count: int) -> tuple[int, list[bytes]]:
+        """Return status and the values of a binary variable; FMI 3.0 only."""
+        sizes, values = (c_size_t * count)(), (c_void_p * count)()
+        status = self._binary("Get", reference, sizes, values)
+        pairs = zip(values, sizes, strict=True)
+        return status, [ctypes.string_at(value, size) if value else b"" for value, size in pairs]
 
     def get_state(self) -> tuple[int, int]:
         """Return status and a pointer to a copy of the state, to be freed by `free_state`."""
@@ -167,6 +179,13 @@ class Instance:
         function = self._call(f"{verb}String", c_void_p, ARRAY, c_size_t, ARRAY, *sizes)
         status: int = function(
             self._handle, _references([reference]), 1, values, *self._size(values)
+        )
+        return status
+
+    def _binary(self, verb: str, reference: int, sizes: Any, values: Any) -> int:
+        function = self._call(f"{verb}Binary", c_void_p, ARRAY, c_size_t, ARRAY, ARRAY, c_size_t)
+        status: int = function(
+            *(self._handle, _references([reference]), 1, sizes, values, len(values))
         )
         return status
 

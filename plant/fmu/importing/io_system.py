@@ -81,11 +81,7 @@ def io_system(
     """
     import control
 
-    if dt is None:
-        dt = fmu.dt
-    if dt is None:
-        raise FmuError(f"{fmu.description.model_name} suggests no step size: give io_system a dt")
-    dt = positive("dt", dt)
+    dt = positive("dt", fmu.dt if dt is None else dt)
     fmu.check_rollback("be evaluated repeatedly, as python-control does")
     states = _Snapshots(fmu, dt, whole("snapshots", snapshots, 2, MAX_SNAPSHOTS))
     return control.NonlinearIOSystem(

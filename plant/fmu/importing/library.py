@@ -27,6 +27,7 @@ STATUS = {
 }
 
 _KEPT_MESSAGES = 20
+_KEPT_OF_EVERYTHING = 10_000
 _MESSAGES_IN_ERROR = 5
 _FOLDERS_FMI2 = {
     ("Linux", "x86_64"): ["linux64", "x86_64-linux"],
@@ -43,15 +44,21 @@ _MACHINES = {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "ARM64": 
 
 
 class Log:
-    """The last messages of an FMU's logger."""
+    """The last messages of an FMU's logger: warnings and errors, or everything."""
 
-    def __init__(self) -> None:
-        self._messages: deque[str] = deque(maxlen=_KEPT_MESSAGES)
+    def __init__(self, *, everything: bool = False) -> None:
+        self._everything = everything
+        most = _KEPT_OF_EVERYTHING if everything else _KEPT_MESSAGES
+        self._messages: deque[str] = deque(maxlen=most)
 
     def add(self, status: int, category: bytes | None, message: bytes | None) -> None:
         """Keep a message as the logger callback receives it."""
         texts = [(part or b"").decode(errors="replace").strip() for part in (category, message)]
-        if status > 0 or texts[0].lower().endswith(("error", "fatal", "warning")):
+        if (
+            self._everything
+            or status > 0
+            or texts[0].lower().endswith(("error", "fatal", "warning"))
+        ):
             self._messages.append(texts[1])
 
     def told(self) -> str:
@@ -62,7 +69,7 @@ class Log:
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Warnings and errors not yet told."""
+        """What is kept and not yet told."""
         return tuple(self._messages)
 
 

@@ -62,7 +62,7 @@ def linearize_fmu(
     dt : float, optional
         Communication step. Default: `fmu.dt`.
     inputs, outputs : sequence of str, optional
-        Default: all that are not integers or truth values.
+        Default: all that are not integers or truth values, recorded variables among the outputs.
     method : "auto", "directional" or "impulse", optional
     amplitude : float, optional
         Of the impulses. Default: the input's nominal value (1 if it has none), less by up to six
@@ -162,7 +162,8 @@ def _gives_derivatives(fmu: Fmu, columns: list[int], rows: list[int]) -> bool:
     if not (says.capabilities.provides_directional_derivatives and says.derivatives):
         return False
     slopes = [says.variable(unknown.name) for unknown in says.derivatives]
-    scalars = {variable.name for variable in says.variables if not variable.shape}
+    shown = says.of_causality("input", "output")
+    scalars = {variable.name for variable in shown if not variable.shape}
     names = [fmu.input_names[j] for j in columns] + [fmu.output_names[i] for i in rows]
     return all(v.derivative_of and not v.shape for v in slopes) and scalars.issuperset(names)
 
@@ -215,20 +216,14 @@ def _named(
 
 
 def _step_size(fmu: Fmu, dt: float | None) -> float:
-    if dt is None and fmu.dt is None:
-        raise FmuError(f"{fmu.description.model_name} suggests no step size: give a dt")
-    return positive("dt", fmu.dt if dt is None else dt)  # type: ignore[arg-type]
+    return positive("dt", fmu.dt if dt is None else dt)
 
 
 def _places(
     fmu: Fmu, causality: str, known: Sequence[str], chosen: Sequence[str] | None
 ) -> list[int]:
     """Return which of the inputs or outputs are chosen: by default all that are not discrete."""
-    variables = {
-        label: variable
-        for variable in fmu.description.of_causality(causality)
-        for label in variable.labels
-    }
+    variables = {label: fmu.description.variable(label) for label in known}
     names = chosen
     if names is None:
         names = [name for name in known if variables[name].type in _CONTINUOUS]

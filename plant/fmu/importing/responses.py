@@ -60,7 +60,8 @@ def unit_response(
     raise FmuError(
         f"the response of {fmu.description.model_name} to {fmu.input_names[j]!r} is not linear: "
         f"half an impulse of {size:g} changes it by {changes[size]:.2g} of its peak, tolerance = "
-        f"{tolerance:g}; give another amplitude, a shorter horizon or a larger tolerance"
+        f"{tolerance:g}; give another amplitude, a shorter horizon or a larger tolerance; or, if "
+        "it has a solver inside that is too coarse, load_fmu(…, tolerance=1e-9)"
     )
 
 
@@ -92,7 +93,8 @@ def check_time_invariance(
                 f"every step of dt = {dt!r} (off by {told}): it samples at another rate "
                 "inside, changes with time, or small impulses act otherwise than large ones; give "
                 "as dt the FMU's own sampling time or a whole multiple of it, or step the FMU to a "
-                "point of rest first"
+                "point of rest first; or, if it has a solver inside that is too coarse, "
+                "load_fmu(…, tolerance=1e-9)"
             )
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -13,16 +14,27 @@ from numpy.typing import ArrayLike
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
 from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuVariable
+from .description import FmuDescription, FmuError, FmuVariable, Signal
 from .instance import Instance
 from .library import FATAL, STATUS, WARNING, Log, Session
 from .ports import Port
+from .values import flat_values, one_value, own_shape, read, start_values, write
 
 if TYPE_CHECKING:
     import control
 
 _STEP_TOLERANCE = 1e-9
 _DOUBLE = np.dtype(float)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What an FMU is told of the run, None for nothing, and its communication step."""
+
+    dt: float
+    start_time: float = 0.0
+    stop_time: float | None = None
+    tolerance: float | None = None
 
 
 class FmuState:
@@ -56,9 +68,12 @@ class Fmu:
     description : FmuDescription
     input_names, output_names : tuple of str
         What `step` takes and returns, in this order: the inputs and outputs that are numbers,
-        arrays spread out as name[1], name[2], …
-    dt : float or None
+        arrays spread out as name[1], name[2], …; behind the outputs, what `load_fmu` was asked to
+        record.
+    dt : float
         Communication step where `step` is given none.
+    units : dict of str to str
+        Unit of each of these, empty where the FMU names none.
     """
 
     def __init__(
@@ -67,27 +82,45 @@ class Fmu:
         instance: Instance,
         description: FmuDescription,
         log: Log,
-        dt: float | None,
-        start_time: float,
+        experiment: Experiment,
+        record: Sequence[str] = (),
     ) -> None:
         self.description = description
-        self.dt = dt
+        self.dt = experiment.dt
         self._session = session
         self._instance = instance
         self._log = log
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
-        outputs = [v for v in numeric if v.causality == "output"]
-        self._inputs = Port(inputs, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port(outputs, self._dtypes, instance.getter, writes=False)
+        taken = [signal for v in inputs for signal in v.signals]
+        shown = [signal for v in numeric if v.causality == "output" for signal in v.signals]
+        shown += self._recorded(record, {signal.label for signal in [*taken, *shown]})
+        self._inputs = Port(taken, self._dtypes, instance.setter, writes=True)
+        self._outputs = Port(shown, self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self._start_inputs = np.concatenate([_start_values(v) for v in inputs] or [np.zeros(0)])
+        self.units = {label: variable.unit for label, variable, _ in [*taken, *shown]}
+        self._start_inputs = np.array([x for v in inputs for x in start_values(v)], dtype=float)
         self._given: Mapping[str, Any] = {}
-        self._start_time = self._time = start_time
-        self._clock = (start_time, 0, 0.0)
+        self._experiment = experiment
+        self._time = experiment.start_time
+        self._clock = (self._time, 0, 0.0)
         self._bind()
         self._finalizer = weakref.finalize(self, session.close)
+
+    def _recorded(self, names: Sequence[str], known: set[str]) -> list[Signal]:
+        """Return the signals of names that are numbers, but for those that are known."""
+        found: dict[str, Signal] = {}
+        for name in names:
+            for signal in self.description.signals(name):
+                if signal.variable.type not in self._dtypes:
+                    raise FmuError(
+                        f"record: {name!r} is of type {signal.variable.type}, and a run records "
+                        "numbers; read it between steps with `get`"
+                    )
+                if signal.label not in known:
+                    found[signal.label] = signal
+        return list(found.values())
 
     def _bind(self) -> None:
         """Keep at hand what every step needs."""
@@ -141,12 +174,15 @@ class Fmu:
     def parameters(self) -> dict[str, object]:
         """Present values of all the parameters, by name."""
         chosen = self.description.of_causality("parameter", "structuralParameter")
-        known = (*self._dtypes, "String")
+        known = (*self._dtypes, "String", "Binary")
         return {v.name: self.get(v.name) for v in chosen if v.type in known}
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Last warnings and errors that the FMU logged and no exception has told."""
+        """Last warnings and errors that the FMU logged and no exception has told.
+
+        With log=True of `load_fmu` the last 10 000 messages of any kind.
+        """
         return self._log.messages
 
     def step(
@@ -157,7 +193,8 @@ class Fmu:
         Parameters
         ----------
         inputs : (number of inputs,) array or mapping of str to float, optional
-            In the order of `input_names`, or by name; held over the step. What is not given
+            In the order of `input_names`, or by name, an array in its own shape or by element;
+            an enumeration as a number or an item's name. Held over the step; what is not given
             stays as it was.
         dt : float, optional
             Length of this step, if not `Fmu.dt`.
@@ -249,35 +286,44 @@ class Fmu:
             )
 
     def get(self, name: str) -> object:
-        """Return the present value of any variable, by name."""
-        self._check_open()
-        variable = self.description.variable(name)
-        if variable.type == "String" and not variable.shape:
-            status, text = self._instance.get_text(variable.value_reference)
-            self._check(status, f"show {name!r}")
-            return text
-        port = self._port(variable, self._instance.getter, writes=False)
-        self._check(port.move(), f"show {name!r}")
-        values = port.values.tolist()
-        return port.values if variable.shape else _as_declared(variable, values[0])
+        """Return the present value of any variable, by its name, an alias, or that of an element.
 
-    def set(self, name: str, value: object) -> None:
-        """Set a tunable parameter, by name, from the next step on.
-
-        Fixed parameters are given to `load_fmu` or `reset`.
+        Of the variable's own type and shape: an array of its shape, or one of its values by
+        "A[1,2]", counted from 1; bytes for a binary; an int for an enumeration, whose
+        `FmuVariable.items` name it.
         """
         self._check_open()
-        variable = self.description.variable(name)
-        if variable.causality == "input":
+        variable, place = self.description.element(name)
+        values = self._read(variable)
+        if place is None:
+            return own_shape(variable, values, self._dtypes)
+        return own_shape(replace(variable, shape=()), [values[place]], self._dtypes)
+
+    def set(self, name: str, value: object) -> None:
+        """Set a tunable parameter, or an input that is no number, from the next step on.
+
+        By name, as `get` knows it: an array in its own shape, or one of its elements; an
+        enumeration as a number or an item's name. Fixed parameters are given to `load_fmu` or
+        `reset`, inputs that are numbers to `step`.
+        """
+        self._check_open()
+        variable, place = self.description.element(name)
+        entered = variable.causality == "input"
+        if entered and variable.type in self._dtypes:
             raise FmuError(f"{name!r} is an input: give it to `step`")
-        if variable.variability != "tunable":
+        if not entered and variable.variability != "tunable":
             tunable = [v.name for v in self.description.variables if v.variability == "tunable"]
             raise FmuError(
                 f"{name!r} is not a tunable parameter ({variable.causality}, "
                 f"{variable.variability}): give it to load_fmu or reset"
                 + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
             )
-        self._set(variable, value)
+        if place is None:
+            values = flat_values(variable, value)
+        else:
+            values = self._read(variable)
+            values[place] = one_value(variable, value)
+        self._write(variable, values)
 
     def system(self, dt: float | None = None, *, snapshots: int = 64) -> control.NonlinearIOSystem:
         """Return a discrete python-control system; see `io_system`."""
@@ -309,46 +355,53 @@ class Fmu:
         """Go through the initialisation; `load_fmu` and `reset` do."""
         self._given = dict(parameters)
         self._values[:] = self._start_inputs
-        for name, value in self._given.items():
-            variable = self.description.variable(name)
-            _check_settable(variable)
-            self._set(variable, value)
-            if name in self.input_names:
-                self._values[self._inputs.position(name)] = _number(name, value)
-        start = self._start_time
-        # no stop time: an FMU may refuse to step beyond the one it is given
-        self._check(self._instance.enter_initialization(start, None), "be initialised")
+        for variable, values in self._start_settings():
+            self._write(variable, values)
+            if variable.causality == "input" and variable.type in self._dtypes:
+                self._values[self._inputs.places(variable.name)] = values
+        asked = self._experiment
+        start = asked.start_time
+        status = self._instance.enter_initialization(start, asked.stop_time, asked.tolerance)
+        self._check(status, "be initialised")
         self._check(self._instance.exit_initialization(), "be initialised")
         self._session.stepping = True
         self._time, self._clock = start, (start, 0, 0.0)
 
-    def _set(self, variable: FmuVariable, value: Any) -> None:
-        if variable.type == "String" and not variable.shape:
-            if not isinstance(value, str):
-                raise TypeError(f"{variable.name} = {value!r}: expected a string")
-            self._check(
-                self._instance.set_text(variable.value_reference, value),
-                f"take {variable.name} = {value!r}",
-            )
-            return
-        port = self._port(variable, self._instance.setter, writes=True)
-        if variable.shape:
-            port.take(np.ravel(value))
-        else:
-            port.values[0] = _number(variable.name, value)
-        self._check(port.move(), f"take {variable.name} = {value!r}")
+    def _start_settings(self) -> list[tuple[FmuVariable, list[Any]]]:
+        """Return the given parameters by variable, row by row; elements beside start values."""
+        found: dict[str, tuple[FmuVariable, list[Any]]] = {}
+        for name, value in self._given.items():
+            variable, place = self.description.element(name)
+            _check_settable(variable)
+            if place is None:
+                found[variable.name] = variable, flat_values(variable, value)
+                continue
+            if variable.name not in found:
+                found[variable.name] = variable, start_values(variable)
+            found[variable.name][1][place] = one_value(variable, value)
+        return list(found.values())
 
-    def _port(self, variable: FmuVariable, mover: Any, *, writes: bool) -> Port:
-        if variable.type not in self._dtypes:
-            raise FmuError(f"{variable.name!r} is of type {variable.type}: expected a number")
-        return Port([variable], self._dtypes, mover, writes=writes)
+    def _read(self, variable: FmuVariable) -> list[Any]:
+        self._check_type(variable)
+        status, values = read(self._instance, variable, self._dtypes)
+        self._check(status, f"show {variable.name!r}")
+        return values
+
+    def _write(self, variable: FmuVariable, values: list[Any]) -> None:
+        self._check_type(variable)
+        told = values if variable.shape else values[0]
+        status = write(self._instance, variable, values, self._dtypes)
+        self._check(status, f"take {variable.name} = {told!r}")
+
+    def _check_type(self, variable: FmuVariable) -> None:
+        if variable.type not in (*self._dtypes, "String", "Binary"):
+            raise FmuError(
+                f"{variable.name!r} is of type {variable.type}, which has no value to be read or "
+                "set here: leave it out"
+            )
 
     def _length(self, dt: float | None) -> float:
         if dt is None:
-            if self.dt is None:
-                raise FmuError(
-                    f"{self.description.model_name} suggests no step size: give load_fmu a dt"
-                )
             return self.dt
         length = positive("dt", dt)
         last = self._clock[2] or length
@@ -402,24 +455,3 @@ def _check_settable(variable: FmuVariable) -> None:
             f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
             "expected a parameter, a start value or an input"
         )
-
-
-def _number(name: str, value: Any) -> float:
-    """Return a number, which may be infinite, as limits are."""
-    if isinstance(value, str) or not np.isscalar(value):
-        raise TypeError(f"{name} = {value!r}: expected a number")
-    number = float(value)  # type: ignore[arg-type]
-    if np.isnan(number):
-        raise FmuError(f"{name} = {value!r}: expected a number")
-    return number
-
-
-def _start_values(variable: FmuVariable) -> FloatArray:
-    start: Any = 0.0 if variable.start is None else variable.start
-    return np.broadcast_to(np.asarray(start, dtype=float), (variable.size,))
-
-
-def _as_declared(variable: FmuVariable, value: float) -> object:
-    if variable.type == "Boolean":
-        return bool(value)
-    return value if variable.type in ("Real", "Float32", "Float64") else int(value)

@@ -216,10 +216,22 @@ def test_text_of_other_encodings(tmp_path):
         assert says.generation_tool == "wärmepumpe"
 
 
-def test_fmi1_is_told_apart(tmp_path):
-    text = changed("2.0", ('fmiVersion="2.0"', 'fmiVersion="1.0"'))
-    with pytest.raises(FmuError, match=r"'1\.0'; expected 2\.0 or 3\.0: export"):
-        inspect_fmu(xml_only(tmp_path, text))
+@pytest.mark.parametrize(
+    ("tag", "kind"), [("Implementation", "co-simulation"), ("Other", "model exchange")]
+)
+def test_fmi1_is_told_apart(tmp_path, tag, kind):
+    text = changed(
+        "2.0",
+        ('fmiVersion="2.0"', 'fmiVersion="1.0"'),
+        ("<ModelVariables>", f"<{tag}/><ModelVariables>"),
+    )
+    match = (
+        rf"'1\.0'; expected 2\.0 or 3\.0: export this FMI 1\.0 FMU for {kind} again, from by hand, "
+        "as one for co-simulation in FMI 2.0 or 3.0"
+    )
+    for read in (inspect_fmu, load_fmu):
+        with pytest.raises(FmuError, match=match):
+            read(xml_only(tmp_path, text))
 
 
 def test_unknown_names_are_answered_with_near_ones(tmp_path):
