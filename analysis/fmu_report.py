@@ -11,6 +11,7 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     from ..plant.fmu.cosimulation.cosimulation_result import CosimulationResult
+    from ..plant.fmu.cosimulation.ssp_plan import SspPlan
     from ..plant.fmu.importing.description import FmuDescription, FmuVariable
 
 _GROUPS = {
@@ -20,6 +21,7 @@ _GROUPS = {
     "Local variables": ("local", "independent"),
 }
 _LONGEST = 60
+_COMPONENT = ("component", "FMU", "FMI", "binaries", "parameters given")
 
 
 def fmu_tables(description: FmuDescription, *, local: bool = False) -> list[Table]:
@@ -32,6 +34,25 @@ def fmu_tables(description: FmuDescription, *, local: bool = False) -> list[Tabl
     return tables
 
 
+def ssp_tables(plan: SspPlan) -> list[Table | str]:
+    """Return the tables of what an SSP says: components, what they are given, connections."""
+    structure = plan.structure
+    settings, notes = plan.settings({})
+    parts = _table(f"{structure.name}: SSP of {len(plan.descriptions)} FMUs", *_COMPONENT)
+    for name, description in plan.descriptions.items():
+        given = ", ".join(f"{key} = {_shown(value)}" for key, value in settings[name].items())
+        binaries = ", ".join(description.platforms) or "none"
+        cells = (name, description.model_name, description.fmi_version, binaries, given)
+        parts.add_row(*map(Text, cells))
+    links = _table("Connections", "from", "to", "gain", "offset")
+    rows = plan.links()
+    for source, target, gain, offset in rows:
+        links.add_row(Text(source), Text(target), f"{gain:.9g}", f"{offset:.9g}")
+    for column in (*parts.columns[1:], links.columns[1]):
+        column.justify = "left"
+    return [parts, *([links] if rows else []), *notes, f"sha256 {plan.sha256}"]
+
+
 def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[str, str]) -> Table:
     """Return where each signal of a run starts, ends and lies between."""
     time = result.time
@@ -41,7 +62,7 @@ def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[s
         values = result[name]
         peak = abs(values).max()
         numbers = (values[0], values[-1], values.min(), values.max())
-        table.add_row(Text(name), *(_cleaned(v, peak) for v in numbers), Text(units[name]))
+        table.add_row(Text(name), *(_cleaned(v, peak) for v in numbers), Text(units.get(name, "")))
     return table
 
 

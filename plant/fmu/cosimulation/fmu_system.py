@@ -39,7 +39,7 @@ class FmuSystem:
         What each output of the system as a whole shows.
     units : mapping of str to FmuUnit
         Of inputs and outputs of the system, and by "component.variable", where they have one.
-    dt : float or None
+    dt : float
         Least step that one of the FMUs suggests.
     stop_time : float or None
         Of the default experiment.
@@ -53,7 +53,7 @@ class FmuSystem:
     inputs: Mapping[str, tuple[tuple[str, float, float], ...]]
     outputs: Mapping[str, tuple[str, float, float]]
     units: Mapping[str, FmuUnit]
-    dt: float | None
+    dt: float
     stop_time: float | None
     notes: tuple[str, ...] = ()
 
@@ -97,8 +97,6 @@ class FmuSystem:
             As in `cosimulate`; SSP itself says nothing of an order.
         """
         dt = self.dt if dt is None else positive("dt", dt)
-        if dt is None:
-            raise FmuError(f"{self.name} suggests no step size: give dt")
         if duration is None:
             duration = self._lasting(dt)
         links = [*self.connections, *self._fed(inputs or {})]
@@ -152,7 +150,7 @@ def system_of(fmu: Fmu) -> FmuSystem:
     """Return one FMU as a system, its inputs those of the system."""
     description = fmu.description
     own = description.model_identifier
-    units = units_of(description)
+    units = units_of(description, fmu.units)
     named = {f"{own}.{label}": unit for label, unit in units.items()}
     return FmuSystem(
         name=description.model_name,

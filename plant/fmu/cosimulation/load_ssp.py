@@ -12,12 +12,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from ..importing.description import FmuError
+from ..importing.description import FmuError, FmuUnit
 from ..importing.load import check_digest, load_fmu
 from ..importing.reading import inspect_fmu
 from ..importing.stepping import Fmu
 from ..importing.unpacking import open_fmu
 from .fmu_system import FmuSystem
+from .participants import units_of
 from .ssp_plan import SspPlan
 from .ssp_reading import read_ssp
 
@@ -115,7 +116,7 @@ def load_ssp(
             connections=plan.connections(),
             inputs=MappingProxyType(plan.inputs()),
             outputs=MappingProxyType(plan.outputs()),
-            units=MappingProxyType(plan.units()),
+            units=MappingProxyType({**plan.units(), **_recorded_units(blocks)}),
             dt=_step(plan, blocks) if dt is None else dt,
             stop_time=structure.stop_time if stop_time is None else stop_time,
             notes=notes,
@@ -181,8 +182,16 @@ def _told_of(name: str, file: _File) -> Iterator[None]:
         raise FmuError(f"component {name!r}: {told}") from None
 
 
-def _step(plan: SspPlan, blocks: Mapping[str, Fmu]) -> float | None:
-    """Return the least step that an FMU suggests itself, or else its loader."""
+def _recorded_units(blocks: Mapping[str, Fmu]) -> dict[str, FmuUnit]:
+    """Return the units of what FMUs show, also by other names than the variables' first ones."""
+    return {
+        f"{name}.{label}": unit
+        for name, fmu in blocks.items()
+        for label, unit in units_of(fmu.description, fmu.units).items()
+    }
+
+
+def _step(plan: SspPlan, blocks: Mapping[str, Fmu]) -> float:
+    """Return the least step that an FMU suggests itself, or else that its loader took."""
     declared = [d.default_experiment.step_size for d in plan.descriptions.values()]
-    found = [s for s in declared if s] or [fmu.dt for fmu in blocks.values() if fmu.dt]
-    return min(found, default=None)
+    return min([step for step in declared if step] or [fmu.dt for fmu in blocks.values()])

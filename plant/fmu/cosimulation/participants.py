@@ -82,11 +82,14 @@ def start_time(blocks: Iterable[tuple[str, Any]]) -> float:
     return next(iter(times.values()), 0.0)
 
 
-def units_of(description: FmuDescription) -> dict[str, FmuUnit]:
-    """Return the unit of each variable of an FMU that has one, by its labels."""
-    named = [v for v in description.variables if v.unit not in ("", "1")]
-    known = {name: unit_of(name, description.units) for name in {v.unit for v in named}}
-    return {label: known[v.unit] for v in named for label in v.labels}
+def units_of(
+    description: FmuDescription, names: Mapping[str, str] | None = None
+) -> dict[str, FmuUnit]:
+    """Return the units that names stand for in an FMU, by label; default: of all its variables."""
+    if names is None:
+        names = {label: v.unit for v in description.variables for label in v.labels}
+    known = {name: unit_of(name, description.units) for name in {*names.values()} - {"", "1"}}
+    return {label: known[name] for label, name in names.items() if name in known}
 
 
 class _FmuBlock:
@@ -106,11 +109,7 @@ class _FmuBlock:
             if v.variability != "continuous"
         }
         self.steps = tuple(label in stepped for label in self.inputs)
-        self.units: Mapping[str, FmuUnit] = {
-            label: unit_of(unit, fmu.description.units)
-            for label, unit in fmu.units.items()
-            if unit not in ("", "1")
-        }
+        self.units: Mapping[str, FmuUnit] = units_of(fmu.description, fmu.units)
         self._fmu = fmu
         self._dt = dt
 

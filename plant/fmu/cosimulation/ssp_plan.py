@@ -62,13 +62,18 @@ class SspPlan:
                 found[block][own] = _scaled(given, by, f"parameter {name!r}")
         return found, tuple(notes)
 
+    @property
+    def of_system(self) -> tuple[str, ...]:
+        """Inputs and parameters of the system as a whole."""
+        return (*self.structure.inputs, *self.structure.parameters)
+
     def _targets(self, name: str) -> list[tuple[End, tuple[float, float]]]:
         """Return the variables that the name of a parameter stands for, each with its gain."""
-        if name in self.structure.inputs:
+        if name in self.of_system:
             return [(r.target, self._by(r)) for r in self._routes(name) if r.target[0]]
         block, _, own = name.partition(".")
         if block not in self.descriptions or not own:
-            known = [*self.structure.inputs, *(f"{each}.…" for each in self.descriptions)]
+            known = [*self.of_system, *(f"{each}.…" for each in self.descriptions)]
             raise FmuError(f"parameter {name!r}{candidates(name, known)}")
         return [((block, own), _SAME)]
 
@@ -86,6 +91,17 @@ class SspPlan:
                 if offset and not plain:
                     found.append((offset, target))
         return tuple(found)
+
+    def links(self) -> list[tuple[str, str, float, float]]:
+        """Return source, target, gain and offset of all connections, those of the system last."""
+        found = [
+            (".".join(r.source), ".".join(r.target), *self._by(r))
+            for r in self.structure.routes
+            if r.source[0] and r.target[0]
+        ]
+        found += [(name, *end) for name, ends in self.inputs().items() for end in ends]
+        outputs = self.outputs().items()
+        return found + [(source, name, gain, by) for name, (source, gain, by) in outputs]
 
     def inputs(self) -> dict[str, tuple[tuple[str, float, float], ...]]:
         """Return, by input of the system, what it feeds: target, gain, offset."""

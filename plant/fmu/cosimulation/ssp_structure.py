@@ -71,8 +71,8 @@ class SystemStructure:
     routes : tuple of Route
     values : tuple of Value
         In the order in which they are to be taken: later ones count.
-    inputs : tuple of str
-        Of the system as a whole, its parameters among them.
+    inputs, parameters : tuple of str
+        Of the system as a whole.
     named_units : mapping of str to str
         Names of the units of inputs and outputs of the system, where the file gives them.
     units : tuple of FmuUnit
@@ -86,6 +86,7 @@ class SystemStructure:
     routes: tuple[Route, ...]
     values: tuple[Value, ...]
     inputs: tuple[str, ...]
+    parameters: tuple[str, ...]
     named_units: Mapping[str, str]
     units: tuple[FmuUnit, ...]
     start_time: float | None
