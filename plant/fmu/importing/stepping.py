@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -17,7 +18,7 @@ from . import binding_fmi2, binding_fmi3
 from .description import FmuDescription, FmuError, FmuVariable, Signal
 from .instance import Instance
 from .library import FATAL, STATUS, WARNING, Log, Session
-from .ports import Port
+from .ports import Port, shown
 from .values import flat_values, one_value, own_shape, read, start_values, write
 
 if TYPE_CHECKING:
@@ -100,7 +101,8 @@ class Fmu:
         self._outputs = Port(shown, self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
         self.units = {label: variable.unit for label, variable, _ in [*taken, *shown]}
-        self._start_inputs = np.array([x for v in inputs for x in start_values(v)], dtype=float)
+        starts = [value for variable in inputs for value in start_values(variable)]
+        self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
         self._experiment = experiment
         self._time = experiment.start_time
@@ -126,6 +128,8 @@ class Fmu:
         """Keep at hand what every step needs."""
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
+        exact = self._found.dtype == object
+        self._show = partial(shown, self._found) if exact else self._found.copy
         self._put, self._fetch = self._inputs.move, self._outputs.move
         self._do_step = self._instance.do_step
 
@@ -163,12 +167,12 @@ class Fmu:
         """Outputs at the present communication point, (number of outputs,)."""
         self._check_open()
         self._check(self._fetch(), "show its outputs")
-        return self._found.copy()
+        return shown(self._found)
 
     @property
     def inputs(self) -> FloatArray:
         """Inputs as they were last given, (number of inputs,)."""
-        return self._values.copy()
+        return shown(self._values)
 
     @property
     def parameters(self) -> dict[str, object]:
@@ -202,7 +206,8 @@ class Fmu:
         Returns
         -------
         (number of outputs,) array
-            In the order of `output_names`; a new one each time.
+            In the order of `output_names`; a new one each time. Of doubles, but where one of them
+            does not hold an integer of 64 bits, of objects: floats, and exact ints.
 
         Raises
         ------
@@ -235,7 +240,7 @@ class Fmu:
         status = self._fetch()
         if status > WARNING:
             self._fail(status, "show its outputs")
-        return self._found.copy()
+        return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
         if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
