@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
 from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuVariable, Signal
+from .description import FmuDescription, FmuError, FmuVariable
 from .instance import Instance
 from .library import FATAL, STATUS, WARNING, Log, Session
 from .ports import Port, shown
+from .settings import recorded_signals, start_settings
 from .values import flat_values, one_value, own_shape, read, start_values, write
 
 if TYPE_CHECKING:
@@ -95,12 +96,13 @@ class Fmu:
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
         taken = [signal for v in inputs for signal in v.signals]
-        shown = [signal for v in numeric if v.causality == "output" for signal in v.signals]
-        shown += self._recorded(record, {signal.label for signal in [*taken, *shown]})
+        visible = [signal for v in numeric if v.causality == "output" for signal in v.signals]
+        known = {signal.label for signal in [*taken, *visible]}
+        visible += recorded_signals(description, record, self._dtypes, known)
         self._inputs = Port(taken, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port(shown, self._dtypes, instance.getter, writes=False)
+        self._outputs = Port(visible, self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self.units = {label: variable.unit for label, variable, _ in [*taken, *shown]}
+        self.units = {label: variable.unit for label, variable, _ in [*taken, *visible]}
         starts = [value for variable in inputs for value in start_values(variable)]
         self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
@@ -109,20 +111,6 @@ class Fmu:
         self._clock = (self._time, 0, 0.0)
         self._bind()
         self._finalizer = weakref.finalize(self, session.close)
-
-    def _recorded(self, names: Sequence[str], known: set[str]) -> list[Signal]:
-        """Return the signals of names that are numbers, but for those that are known."""
-        found: dict[str, Signal] = {}
-        for name in names:
-            for signal in self.description.signals(name):
-                if signal.variable.type not in self._dtypes:
-                    raise FmuError(
-                        f"record: {name!r} is of type {signal.variable.type}, and a run records "
-                        "numbers; read it between steps with `get`"
-                    )
-                if signal.label not in known:
-                    found[signal.label] = signal
-        return list(found.values())
 
     def _bind(self) -> None:
         """Keep at hand what every step needs."""
@@ -360,7 +348,7 @@ class Fmu:
         """Go through the initialisation; `load_fmu` and `reset` do."""
         self._given = dict(parameters)
         self._values[:] = self._start_inputs
-        for variable, values in self._start_settings():
+        for variable, values in start_settings(self.description, self._given):
             self._write(variable, values)
             if variable.causality == "input" and variable.type in self._dtypes:
                 self._values[self._inputs.places(variable.name)] = values
@@ -371,20 +359,6 @@ class Fmu:
         self._check(self._instance.exit_initialization(), "be initialised")
         self._session.stepping = True
         self._time, self._clock = start, (start, 0, 0.0)
-
-    def _start_settings(self) -> list[tuple[FmuVariable, list[Any]]]:
-        """Return the given parameters by variable, row by row; elements beside start values."""
-        found: dict[str, tuple[FmuVariable, list[Any]]] = {}
-        for name, value in self._given.items():
-            variable, place = self.description.element(name)
-            _check_settable(variable)
-            if place is None:
-                found[variable.name] = variable, flat_values(variable, value)
-                continue
-            if variable.name not in found:
-                found[variable.name] = variable, start_values(variable)
-            found[variable.name][1][place] = one_value(variable, value)
-        return list(found.values())
 
     def _read(self, variable: FmuVariable) -> list[Any]:
         self._check_type(variable)
@@ -444,19 +418,3 @@ class Fmu:
 def binding_of(description: FmuDescription) -> Any:
     """Return the module that speaks the FMU's version of FMI."""
     return binding_fmi2 if description.fmi_version.startswith("2") else binding_fmi3
-
-
-def _check_settable(variable: FmuVariable) -> None:
-    if variable.causality == "structuralParameter":
-        raise FmuError(
-            f"{variable.name!r} is a structural parameter, the size of an array: sizes cannot be "
-            "changed here; export the FMU with the size that is needed"
-        )
-    settable = (
-        variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
-    ) and variable.variability != "constant"
-    if not settable:
-        raise FmuError(
-            f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
-            "expected a parameter, a start value or an input"
-        )
