@@ -70,8 +70,9 @@ class Fmu:
     description : FmuDescription
     input_names, output_names : tuple of str
         What `step` takes and returns, in this order: the inputs and outputs that are numbers,
-        arrays spread out as name[1], name[2], …; behind the outputs, what `load_fmu` was asked to
-        record.
+        arrays spread out as name[1], name[2], …; and behind the outputs `recorded_names`.
+    recorded_names : tuple of str
+        What `load_fmu` was asked to record and is no input or output.
     dt : float
         Communication step where `step` is given none.
     units : dict of str to str
@@ -95,14 +96,17 @@ class Fmu:
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
+        entered = description.of_causality("input")
+        self._other_inputs = [v for v in entered if v.type not in self._dtypes]
         taken = [signal for v in inputs for signal in v.signals]
-        visible = [signal for v in numeric if v.causality == "output" for signal in v.signals]
-        known = {signal.label for signal in [*taken, *visible]}
-        visible += recorded_signals(description, record, self._dtypes, known)
+        given = [signal for v in numeric if v.causality == "output" for signal in v.signals]
+        known = {signal.label for signal in [*taken, *given]}
+        beside = recorded_signals(description, record, self._dtypes, known)
         self._inputs = Port(taken, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port(visible, self._dtypes, instance.getter, writes=False)
+        self._outputs = Port([*given, *beside], self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self.units = {label: variable.unit for label, variable, _ in [*taken, *visible]}
+        self.recorded_names = tuple(signal.label for signal in beside)
+        self.units = {label: v.unit for label, v, _ in [*taken, *given, *beside]}
         starts = [value for variable in inputs for value in start_values(variable)]
         self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
@@ -234,6 +238,13 @@ class Fmu:
         if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
             self._values[:] = inputs
         else:
+            named = set(inputs) if isinstance(inputs, Mapping) else ()
+            for variable in self._other_inputs:
+                if variable.name in named:
+                    raise FmuError(
+                        f"input {variable.name!r} is of type {variable.type}, and `step` takes "
+                        "numbers: give it to `set`, before the step"
+                    )
             self._inputs.take(inputs)
         status = self._put()
         if status > WARNING:

@@ -53,6 +53,7 @@ COUNTER = Model(
 def test_locals_and_parameters_behind_the_outputs(tmp_path, version):
     with load_fmu(fmu(tmp_path, version=version), record=["x1", "J", "y", "u", "x1"]) as plant:
         assert plant.output_names == ("y", "y_rate", "x1", "J")
+        assert plant.recorded_names == ("x1", "J")
         assert plant.outputs.tolist() == [0.0, 0.0, 0.0, 2.0]
         assert plant.step([1.0], 1.0).tolist() == [0.25, 0.5, 0.5, 2.0]
         plant.set("J", 4.0)

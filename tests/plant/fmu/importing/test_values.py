@@ -249,6 +249,8 @@ def test_binaries(path):
         assert block.get("echo") == b"abc\0"
         block.set("blob", b"")
         assert block.get("echo") == b""
+        with pytest.raises(FmuError, match=r"input 'blob' is of type Binary.* give it to `set`"):
+            block.step({"blob": b"a"})
         with pytest.raises(TypeError, match="blob = 'abc': expected bytes"):
             block.set("blob", "abc")
 
