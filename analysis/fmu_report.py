@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Literal
 
 from rich.box import SIMPLE_HEAD
@@ -82,10 +82,14 @@ def _summary(description: FmuDescription) -> Table:
         "start": experiment.start_time,
         "stop": experiment.stop_time,
         "step": experiment.step_size,
+        "inner step": can.fixed_internal_step,
     }
+    suggested = [f"{k} {v:.6g} s" for k, v in times.items() if v is not None]
+    if experiment.tolerance is not None:
+        suggested.append(f"tolerance {experiment.tolerance:.3g}")
     rows = {
         "description": description.description,
-        "kind": ", ".join(description.kinds),
+        "kind": _kind(description),
         "author": description.author,
         "version": description.version,
         "made by": description.generation_tool,
@@ -94,7 +98,7 @@ def _summary(description: FmuDescription) -> Table:
         "sources": "yes" if description.has_sources else "no",
         "can": ", ".join(text for text, holds in abilities.items() if holds) or "step",
         "needs": ", ".join(text for text, holds in needs.items() if holds),
-        "experiment": ", ".join(f"{k} {v:.6g} s" for k, v in times.items() if v is not None),
+        "experiment": ", ".join(suggested),
         "variables": str(len(description.variables)),
         "sha256": description.sha256,
     }
@@ -104,6 +108,15 @@ def _summary(description: FmuDescription) -> Table:
         if value:
             table.add_row(key, Text(value))
     return table
+
+
+def _kind(description: FmuDescription) -> str:
+    from ..plant.fmu.importing.description import CO_SIMULATION
+
+    kinds = ", ".join(description.kinds)
+    if CO_SIMULATION in description.kinds:
+        return kinds
+    return f"{kinds} only: to be run here, it must be exported for co-simulation"
 
 
 def _variables(title: str, variables: Iterable[FmuVariable]) -> Table:
@@ -120,10 +133,18 @@ def _variables(title: str, variables: Iterable[FmuVariable]) -> Table:
             variable.unit,
             variable.variability,
             variable.type,
-            variable.description,
+            "; ".join(filter(None, (variable.description, *_remarks(variable)))),
         )
         table.add_row(*map(Text, cells))
     return table
+
+
+def _remarks(variable: FmuVariable) -> Iterator[str]:
+    """Yield what may be given to the variable, or for its name, in other words."""
+    if variable.items:
+        yield ", ".join(f"{value} = {name}" for name, value in variable.items)
+    if variable.aliases:
+        yield f"also {', '.join(variable.aliases)}"
 
 
 def _cleaned(value: float, peak: float) -> str:

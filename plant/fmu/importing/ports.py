@@ -1,4 +1,4 @@
-"""Inputs and outputs of an FMU as one array of doubles each, moved by preallocated calls."""
+"""Inputs and outputs of an FMU as one array of numbers each, moved by preallocated calls."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .description import FmuError, FmuVariable, Signal, candidates
+from ....shaping.pieces import FloatArray
+from .description import FmuError, Signal, candidates
 from .library import WARNING
-from .values import flat_values, item_value
+from .values import check_whole, flat_values, item_value
 
 Mover = Callable[[str, Sequence[int], Any], Callable[[], int]]
 
@@ -23,7 +24,8 @@ class Port:
     labels : tuple of str
         One per value.
     values : (n,) array
-        What `move` writes, or reads. Where all variables are doubles, FMI's own buffer.
+        What `move` writes, or reads. Where all variables are doubles, FMI's own buffer; where
+        some are integers of 64 bits, objects, which hold these as int.
     move : callable
         Moves all the values; returns FMI's status.
     """
@@ -37,7 +39,8 @@ class Port:
         writes: bool,
     ) -> None:
         self.labels = tuple(signal.label for signal in signals)
-        self.values = np.zeros(len(self.labels))
+        wide = any(is_wide(dtypes[signal.variable.type]) for signal in signals)
+        self.values = np.zeros(len(self.labels), object if wide else float)
         self.shape = self.values.shape
         self._variables = [signal.variable for signal in signals]
         self._places = _places_by_name(signals) if writes else {}
@@ -62,19 +65,24 @@ class Port:
     def _write(self) -> int:
         status = 0
         for index, taken, buffer, call in self._groups:
-            wanted = self.values[index]
-            with np.errstate(invalid="ignore"):
-                buffer[taken] = wanted
-            if buffer.dtype.kind != "f" and (buffer[taken] != wanted).any():
-                names = ", ".join(self.labels[i] for i in index)
-                raise FmuError(
-                    f"{names} = {wanted.tolist()}: expected whole numbers within the range of "
-                    f"{buffer.dtype.name}"
-                )
+            self._fill(buffer, taken, index)
             status = max(status, call())
             if status > WARNING:
                 break
         return status
+
+    def _fill(self, buffer: Any, taken: Any, index: Any) -> None:
+        wanted = self.values[index]
+        if buffer.dtype.kind != "f":
+            for place, value in zip(index, wanted.tolist(), strict=True):
+                check_whole(self.labels[place], value, buffer.dtype)
+        try:
+            buffer[taken] = wanted
+        except OverflowError:
+            raise FmuError(
+                f"{', '.join(self.labels[i] for i in index)} = {wanted.tolist()}: expected numbers "
+                "that a double can hold"
+            ) from None
 
     def _read(self) -> int:
         status = 0
@@ -91,16 +99,14 @@ class Port:
         A name is a label, that of an array, whose values are given in its shape, or an alias.
         """
         if isinstance(given, Mapping):
-            found = [(self.places(name), self._numbers(name, one)) for name, one in given.items()]
-            for places, numbers in found:
+            named = [(self.places(name), self._numbers(name, one)) for name, one in given.items()]
+            for places, numbers in named:
                 self.values[places] = numbers
             return
-        array = np.asarray(given)
+        array = self._gathered(given)
         if array.dtype.kind not in "biuf":
-            flat = np.asarray(given, dtype=object).reshape(-1)
-            if flat.shape == self.shape:
-                pairs = zip(self._variables, self.labels, flat, strict=True)
-                array = np.array([_number(*pair) for pair in pairs])
+            found = [self._number(i, one) for i, one in enumerate(array.reshape(-1))]
+            array = np.array(found, self.values.dtype).reshape(array.shape)
         if array.ndim == 0 and self.shape == (1,):
             array = array[None]
         if array.shape != self.shape:
@@ -121,8 +127,24 @@ class Port:
     def _numbers(self, name: str, value: Any) -> list[float]:
         variable = self._variables[self.places(name)[0]]
         if variable.shape and name in (variable.name, *variable.aliases):
-            return [float(one) for one in flat_values(variable, value)]
-        return [_number(variable, name, value)]
+            return flat_values(variable, value)
+        return [self._number(self.places(name)[0], value, name)]
+
+    def _gathered(self, given: Any) -> Any:
+        """Return what is given as an array, names of items and integers as they are."""
+        if np.ma.isMaskedArray(given):
+            raise TypeError("inputs with a mask: expected numbers; fill the array first")
+        array = np.asarray(given)
+        plain = array.dtype.kind in "biuf" and self.values.dtype != object
+        return array if plain or isinstance(given, np.ndarray) else np.asarray(given, dtype=object)
+
+    def _number(self, place: int, value: Any, name: str = "") -> float:
+        """Return one number for a place; where it lies beyond them all, whatever it is."""
+        known = place < len(self.labels)
+        if known and self._variables[place].type == "Enumeration" and isinstance(value, str):
+            return item_value(self._variables[place], value)
+        label = name or (self.labels[place] if known else "inputs")
+        return exact_number(f"input {label!r}", value, self.values.dtype)
 
 
 def _places_by_name(signals: Sequence[Signal]) -> dict[str, list[int]]:
@@ -149,12 +171,29 @@ def _layout(signals: Sequence[Signal]) -> tuple[list[int], Any, int]:
     return list(begins), np.array(taken), size
 
 
-def _number(variable: FmuVariable, name: str, value: Any) -> float:
-    if variable.type == "Enumeration" and isinstance(value, str):
-        return float(item_value(variable, value))
-    if isinstance(value, str | bytes | None) or np.ndim(value):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number")
+def is_wide(dtype: Any) -> bool:
+    """Return whether a double does not hold every value of a type: integers of 64 bits."""
+    return np.dtype(dtype) in (np.int64, np.uint64)
+
+
+def exact_number(told: str, value: Any, dtype: Any) -> float:
+    """Return a number for an array of doubles, or, an integer as it is, of objects."""
+    if isinstance(value, str | bytes | np.timedelta64 | None) or np.ndim(value):
+        raise TypeError(f"{told} = {value!r}: expected a number")
+    if np.dtype(dtype).hasobject and isinstance(value, int | np.integer):
+        return int(value)
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number") from None
+        raise TypeError(f"{told} = {value!r}: expected a number") from None
+    except OverflowError:
+        raise FmuError(f"{told} = {value!r}: expected a number that a double can hold") from None
+
+
+def shown(values: Any) -> FloatArray:
+    """Return a copy, as doubles where these hold every integer of it, else as it is."""
+    exact = values.dtype != object or all(
+        type(value) is float or float(value) == value for value in values.tolist()
+    )
+    found: FloatArray = np.array(values, dtype=float if exact else object)
+    return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -14,10 +15,11 @@ from numpy.typing import ArrayLike
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
 from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuVariable, Signal
+from .description import FmuDescription, FmuError, FmuVariable
 from .instance import Instance
 from .library import FATAL, STATUS, WARNING, Log, Session
-from .ports import Port
+from .ports import Port, shown
+from .settings import recorded_signals, start_settings
 from .values import flat_values, one_value, own_shape, read, start_values, write
 
 if TYPE_CHECKING:
@@ -68,8 +70,9 @@ class Fmu:
     description : FmuDescription
     input_names, output_names : tuple of str
         What `step` takes and returns, in this order: the inputs and outputs that are numbers,
-        arrays spread out as name[1], name[2], …; behind the outputs, what `load_fmu` was asked to
-        record.
+        arrays spread out as name[1], name[2], …; and behind the outputs `recorded_names`.
+    recorded_names : tuple of str
+        What `load_fmu` was asked to record and is no input or output.
     dt : float
         Communication step where `step` is given none.
     units : dict of str to str
@@ -93,14 +96,19 @@ class Fmu:
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
+        entered = description.of_causality("input")
+        self._other_inputs = [v for v in entered if v.type not in self._dtypes]
         taken = [signal for v in inputs for signal in v.signals]
-        shown = [signal for v in numeric if v.causality == "output" for signal in v.signals]
-        shown += self._recorded(record, {signal.label for signal in [*taken, *shown]})
+        given = [signal for v in numeric if v.causality == "output" for signal in v.signals]
+        known = {signal.label for signal in [*taken, *given]}
+        beside = recorded_signals(description, record, self._dtypes, known)
         self._inputs = Port(taken, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port(shown, self._dtypes, instance.getter, writes=False)
+        self._outputs = Port([*given, *beside], self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self.units = {label: variable.unit for label, variable, _ in [*taken, *shown]}
-        self._start_inputs = np.array([x for v in inputs for x in start_values(v)], dtype=float)
+        self.recorded_names = tuple(signal.label for signal in beside)
+        self.units = {label: v.unit for label, v, _ in [*taken, *given, *beside]}
+        starts = [value for variable in inputs for value in start_values(variable)]
+        self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
         self._experiment = experiment
         self._time = experiment.start_time
@@ -108,24 +116,12 @@ class Fmu:
         self._bind()
         self._finalizer = weakref.finalize(self, session.close)
 
-    def _recorded(self, names: Sequence[str], known: set[str]) -> list[Signal]:
-        """Return the signals of names that are numbers, but for those that are known."""
-        found: dict[str, Signal] = {}
-        for name in names:
-            for signal in self.description.signals(name):
-                if signal.variable.type not in self._dtypes:
-                    raise FmuError(
-                        f"record: {name!r} is of type {signal.variable.type}, and a run records "
-                        "numbers; read it between steps with `get`"
-                    )
-                if signal.label not in known:
-                    found[signal.label] = signal
-        return list(found.values())
-
     def _bind(self) -> None:
         """Keep at hand what every step needs."""
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
+        exact = self._found.dtype == object
+        self._show = partial(shown, self._found) if exact else self._found.copy
         self._put, self._fetch = self._inputs.move, self._outputs.move
         self._do_step = self._instance.do_step
 
@@ -163,12 +159,12 @@ class Fmu:
         """Outputs at the present communication point, (number of outputs,)."""
         self._check_open()
         self._check(self._fetch(), "show its outputs")
-        return self._found.copy()
+        return shown(self._found)
 
     @property
     def inputs(self) -> FloatArray:
         """Inputs as they were last given, (number of inputs,)."""
-        return self._values.copy()
+        return shown(self._values)
 
     @property
     def parameters(self) -> dict[str, object]:
@@ -202,7 +198,8 @@ class Fmu:
         Returns
         -------
         (number of outputs,) array
-            In the order of `output_names`; a new one each time.
+            In the order of `output_names`; a new one each time. Of doubles, but where one of them
+            does not hold an integer of 64 bits, of objects: floats, and exact ints.
 
         Raises
         ------
@@ -235,12 +232,19 @@ class Fmu:
         status = self._fetch()
         if status > WARNING:
             self._fail(status, "show its outputs")
-        return self._found.copy()
+        return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
         if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
             self._values[:] = inputs
         else:
+            named = set(inputs) if isinstance(inputs, Mapping) else ()
+            for variable in self._other_inputs:
+                if variable.name in named:
+                    raise FmuError(
+                        f"input {variable.name!r} is of type {variable.type}, and `step` takes "
+                        "numbers: give it to `set`, before the step"
+                    )
             self._inputs.take(inputs)
         status = self._put()
         if status > WARNING:
@@ -355,7 +359,7 @@ class Fmu:
         """Go through the initialisation; `load_fmu` and `reset` do."""
         self._given = dict(parameters)
         self._values[:] = self._start_inputs
-        for variable, values in self._start_settings():
+        for variable, values in start_settings(self.description, self._given):
             self._write(variable, values)
             if variable.causality == "input" and variable.type in self._dtypes:
                 self._values[self._inputs.places(variable.name)] = values
@@ -366,20 +370,6 @@ class Fmu:
         self._check(self._instance.exit_initialization(), "be initialised")
         self._session.stepping = True
         self._time, self._clock = start, (start, 0, 0.0)
-
-    def _start_settings(self) -> list[tuple[FmuVariable, list[Any]]]:
-        """Return the given parameters by variable, row by row; elements beside start values."""
-        found: dict[str, tuple[FmuVariable, list[Any]]] = {}
-        for name, value in self._given.items():
-            variable, place = self.description.element(name)
-            _check_settable(variable)
-            if place is None:
-                found[variable.name] = variable, flat_values(variable, value)
-                continue
-            if variable.name not in found:
-                found[variable.name] = variable, start_values(variable)
-            found[variable.name][1][place] = one_value(variable, value)
-        return list(found.values())
 
     def _read(self, variable: FmuVariable) -> list[Any]:
         self._check_type(variable)
@@ -439,19 +429,3 @@ class Fmu:
 def binding_of(description: FmuDescription) -> Any:
     """Return the module that speaks the FMU's version of FMI."""
     return binding_fmi2 if description.fmi_version.startswith("2") else binding_fmi3
-
-
-def _check_settable(variable: FmuVariable) -> None:
-    if variable.causality == "structuralParameter":
-        raise FmuError(
-            f"{variable.name!r} is a structural parameter, the size of an array: sizes cannot be "
-            "changed here; export the FMU with the size that is needed"
-        )
-    settable = (
-        variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
-    ) and variable.variability != "constant"
-    if not settable:
-        raise FmuError(
-            f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
-            "expected a parameter, a start value or an input"
-        )

@@ -14,7 +14,8 @@ from .instance import Instance
 
 _DOUBLES = ("Real", "Float64", "Float32")
 _TEXTS = {"String": str, "Binary": bytes}
-_NUMBERS = "biufOU"  # kinds of numpy's types
+_KINDS = "biufOU"  # kinds of numpy's types
+_LONGEST = 80
 
 
 def start_values(variable: FmuVariable) -> list[Any]:
@@ -45,12 +46,12 @@ def flat_values(variable: FmuVariable, value: Any) -> list[Any]:
     """
     if variable.type in _TEXTS and not variable.shape:
         return [one_value(variable, value)]
-    if np.ma.isMaskedArray(value) or getattr(value, "dtype", np.dtype(float)).kind not in _NUMBERS:
-        raise TypeError(f"{variable.name} = {value!r}: expected {_wanted(variable)}")
+    if np.ma.isMaskedArray(value) or getattr(value, "dtype", np.dtype(float)).kind not in _KINDS:
+        raise _refusal(variable, value)
     given = np.array(value, dtype=object)
     if given.shape != variable.shape and (not variable.shape or given.shape != (variable.size,)):
         if not variable.shape:
-            raise TypeError(f"{variable.name} = {value!r}: expected {_wanted(variable)}")
+            raise _refusal(variable, value)
         raise FmuError(
             f"{variable.name} of shape {given.shape}: expected {variable.shape}, or all its "
             f"{variable.size} values in one row"
@@ -67,9 +68,14 @@ def one_value(variable: FmuVariable, value: Any) -> Any:
         return bytes(value)
     if variable.type == "Enumeration" and isinstance(value, str):
         return item_value(variable, value)
-    if kind is not None or not isinstance(value, Real | np.bool_):
-        raise TypeError(f"{variable.name} = {value!r}: expected {_wanted(variable)}")
+    if kind is not None or not is_number(value):
+        raise _refusal(variable, value)
     return _double(variable, value) if variable.type in _DOUBLES else _whole(variable, value)
+
+
+def is_number(value: Any) -> bool:
+    """Return whether something is a real number or a truth value; a timedelta is none."""
+    return isinstance(value, Real | np.bool_) and not isinstance(value, np.timedelta64)
 
 
 def item_value(variable: FmuVariable, name: str) -> int:
@@ -78,6 +84,16 @@ def item_value(variable: FmuVariable, name: str) -> int:
     if name not in items:
         raise FmuError(f"{variable.name} has no item {name!r}{candidates(name, items)}")
     return items[name]
+
+
+def check_whole(name: str, value: float, dtype: Any) -> None:
+    """Refuse a number that an integer type cannot have, or a truth value."""
+    low, high = (0, 1) if dtype.kind == "b" else (np.iinfo(dtype).min, np.iinfo(dtype).max)
+    if not (low <= value <= high and value == int(value)):
+        raise FmuError(
+            f"{name} = {value!r}: expected whole numbers within the range of {dtype.name}, {low} "
+            f"to {high}"
+        )
 
 
 def own_shape(variable: FmuVariable, values: list[Any], dtypes: Mapping[str, Any]) -> object:
@@ -121,8 +137,15 @@ def write(
         return instance.set_binary(reference, values)
     dtype = np.dtype(dtypes[variable.type])
     if dtype.kind in "iu":
-        _check_range(variable, values, np.iinfo(dtype))
+        for value in values:
+            check_whole(variable.name, value, dtype)
     return instance.setter(variable.type, [reference], np.array(values, dtype))()
+
+
+def _refusal(variable: FmuVariable, value: Any) -> TypeError:
+    told = " ".join(repr(value).split())
+    told = told if len(told) <= _LONGEST else f"{told[:_LONGEST]} …"
+    return TypeError(f"{variable.name} = {told}: expected {_wanted(variable)}")
 
 
 def _double(variable: FmuVariable, value: Any) -> float:
@@ -144,15 +167,6 @@ def _whole(variable: FmuVariable, value: Any) -> int:
     if allowed and number not in allowed:
         raise FmuError(f"{variable.name} = {value!r}: expected {_wanted(variable)}")
     return number
-
-
-def _check_range(variable: FmuVariable, values: list[int], limits: Any) -> None:
-    for value in values:
-        if not limits.min <= value <= limits.max:
-            raise FmuError(
-                f"{variable.name} = {value}: expected {limits.min} to {limits.max}, the range of "
-                f"{variable.type}"
-            )
 
 
 def _wanted(variable: FmuVariable) -> str:
