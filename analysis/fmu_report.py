@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 from rich.box import SIMPLE_HEAD
@@ -149,7 +150,7 @@ def _remarks(variable: FmuVariable) -> Iterator[str]:
 
 def _cleaned(value: float, peak: float) -> str:
     """Return a number for reading, rounding errors beside its peak left out."""
-    return f"{value:.9g}" if abs(value) > 1e-12 * peak else "0"
+    return "0" if isfinite(peak) and abs(value) <= 1e-12 * peak else f"{value:.9g}"
 
 
 def _shown(value: object) -> str:

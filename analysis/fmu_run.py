@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -97,7 +98,10 @@ def run_command(
         result = system.run(_lasting(system, wanted, until), inputs=_inputs(system, inputs))
         units = {name: unit.name for name, unit in system.units.items()}
         written = _write(result, system, units, csv, plot)
+        _print_log(system)
     print_parts(run_table(result, result.outputs, units), *result.notes)
+    if plot is not None and len(result.outputs) > _MAX_PANELS:
+        print_parts(f"The picture shows the first {_MAX_PANELS} of {len(result.outputs)} outputs")
     print_parts(*(f"Wrote {path}" for path in written))
 
 
@@ -112,6 +116,7 @@ def _loaded(
     from .fmu_options import is_ssp, settings_of, settings_within
 
     limit = options["max_unpacked_bytes"]
+    options = {k: v for k, v in options.items() if k not in ("isolated", "timeout")}  # SHIM
     if is_ssp(file):
         plan = inspect_ssp(file, max_unpacked_bytes=limit)
         values = settings_within(plan, settings)
@@ -136,6 +141,13 @@ def _lasting(system: FmuSystem, duration: float | None, stop_time: float | None)
     elif duration is None and (system.stop_time is None or not system.stop_time > start):
         raise ValueError(f"{system.name} suggests no stop time: give --duration")
     return duration
+
+
+def _print_log(system: FmuSystem) -> None:
+    """Print what the FMUs logged and no error has told."""
+    for name, fmu in system.blocks.items():
+        for message in fmu.messages:
+            print(f"jounce: {name}: {message}", file=sys.stderr)
 
 
 def _inputs(system: FmuSystem, path: Path | None) -> Mapping[str, Source]:

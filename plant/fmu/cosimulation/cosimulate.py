@@ -169,7 +169,7 @@ def _run(
     outputs = np.empty((len(time), len(shown)))
     inputs = wiring.given  # to which is added, step by step, what the blocks show
     turns = [
-        (parts[n].step, wiring.weights[n], places[n], inputs[n])
+        (parts[n].step, *_used(wiring.weights[n]), places[n], inputs[n])
         for n in sequence
         if n not in sources
     ]
@@ -179,9 +179,9 @@ def _run(
     outputs[0] = shown
     for k in range(steps):
         seen = shown.copy() if at_once else shown
-        for step, weights, place, record in turns:
+        for step, weights, used, place, record in turns:
             u = record[k]
-            u += weights @ seen
+            u += weights @ seen[used]
             shown[place] = step(u)
         for step, place, nothing in given:
             shown[place] = step(nothing)
@@ -200,6 +200,12 @@ def _run(
     return signals
 
 
+def _used(weights: FloatArray) -> tuple[FloatArray, Any]:
+    """Return the weights of the outputs that count, and which these are: others may be infinite."""
+    used = np.flatnonzero(weights.any(axis=0))
+    return np.ascontiguousarray(weights[:, used]), used
+
+
 def _places(parts: Mapping[str, Participant]) -> dict[str, slice]:
     ends = np.cumsum([len(part.outputs) for part in parts.values()]).tolist()
     return {
@@ -209,9 +215,15 @@ def _places(parts: Mapping[str, Participant]) -> dict[str, slice]:
 
 
 def _check_finite(shown: FloatArray, parts: Mapping[str, Participant], time: float) -> None:
-    if not np.isfinite(shown).all():
-        names = [f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs]
-        lost = [name for name, value in zip(names, shown, strict=True) if not np.isfinite(value)]
+    if np.isfinite(shown).all():
+        return
+    signals = [(name, part, own) for name, part in parts.items() for own in part.outputs]
+    lost = [
+        f"{name}.{own}"
+        for (name, part, own), value in zip(signals, shown, strict=True)
+        if not np.isfinite(value) and own not in part.recorded
+    ]
+    if lost:
         raise FmuError(
             f"{', '.join(lost[:5])} left the range of a double before time {time:g}: the loop is "
             "unstable; check signs, gains, dt and the delays that the order causes"

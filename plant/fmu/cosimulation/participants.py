@@ -24,7 +24,8 @@ class Participant(Protocol):
 
     `held` are the inputs where nothing is connected, nan where something must be; `through`
     (outputs, inputs) is True where an output of a step passes an input on within no time; `steps`
-    is True for inputs that change in steps only; `units` are those of the signals that have one.
+    is True for inputs that change in steps only; `recorded` are outputs that only are looked at,
+    which may be infinite; `units` are those of the signals that have one.
     """
 
     inputs: tuple[str, ...]
@@ -32,6 +33,7 @@ class Participant(Protocol):
     held: FloatArray
     through: Any
     steps: tuple[bool, ...]
+    recorded: frozenset[str]
     units: Mapping[str, FmuUnit]
 
     def start(self) -> FloatArray:
@@ -109,6 +111,7 @@ class _FmuBlock:
             if v.variability != "continuous"
         }
         self.steps = tuple(label in stepped for label in self.inputs)
+        self.recorded = frozenset(fmu.recorded_names)
         self.units: Mapping[str, FmuUnit] = units_of(fmu.description, fmu.units)
         self._fmu = fmu
         self._dt = dt
@@ -146,6 +149,7 @@ class _Linear:
         self.held = np.full(len(self.inputs), np.nan)
         self.through = held.D != 0.0
         self.steps = (False,) * len(self.inputs)
+        self.recorded: frozenset[str] = frozenset()
         self.units: Mapping[str, FmuUnit] = {}
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
@@ -173,6 +177,7 @@ class _Source:
         self.held = np.zeros(0)
         self.through = np.zeros((len(self.outputs), 0), dtype=bool)
         self.steps: tuple[bool, ...] = ()
+        self.recorded: frozenset[str] = frozenset()
         self.units: Mapping[str, FmuUnit] = {}
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
