@@ -212,6 +212,16 @@ def test_a_folder_runs_like_its_archive(run, plant, folder):
     shutil.rmtree(folder / "unpacked")
 
 
+def test_the_folder_of_an_ssp_runs_like_its_archive(run, whole, folder):
+    with zipfile.ZipFile(whole) as packed:
+        packed.extractall(folder / "unpacked")
+    assert run(folder / "unpacked")[:2] == run(whole)[:2]
+    (folder / "unpacked" / "SystemStructure.ssd").unlink()
+    status, out, (line,) = run(folder / "unpacked")
+    assert (status, out) == (2, "")
+    assert "SystemStructure.ssd" in line
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
