@@ -117,6 +117,11 @@ def cosimulate(
     time = _grid(start_time(blocks.items()), dt, positive("duration", duration))
     method, sequence = _order(order, list(blocks))
     parts = {name: participant(name, block, dt, time) for name, block in blocks.items()}
+    if not any(part.outputs for part in parts.values()):
+        raise FmuError(
+            f"{', '.join(parts)}: no outputs that are numbers: there is nothing to show; load "
+            "the FMU with record=[…], the variables to show (on the command line --record)"
+        )
     values = len(time) * sum(len(part.outputs) + len(part.inputs) for part in parts.values())
     if values > MAX_VALUES:
         raise FmuError(

@@ -48,7 +48,7 @@ def participant(name: str, block: Any, dt: float, time: FloatArray) -> Participa
     import control
 
     if isinstance(block, Fmu):
-        return _FmuBlock(name, block, dt)
+        return _FmuBlock(block, dt)
     if isinstance(block, Trajectory):
         return _Source(block, time)
     linear = control.StateSpace | control.TransferFunction
@@ -95,13 +95,8 @@ def units_of(
 
 
 class _FmuBlock:
-    def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
+    def __init__(self, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
-        if not self.outputs:
-            raise FmuError(
-                f"block {name!r} has no outputs that are numbers: leave it out, or load "
-                "it with record=[…], the variables to show"
-            )
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
         stepped = {
