@@ -215,6 +215,17 @@ class FmuDescription:
             signal._replace(variable=variable) for signal in replace(variable, name=name).signals
         )
 
+    @property
+    def tool_hint(self) -> str:
+        """What may be behind an FMU's failure to begin: the end of a message, or nothing."""
+        if not self.capabilities.needs_execution_tool:
+            return ""
+        return (
+            " (it declares needsExecutionTool: it may need the tool that made it, "
+            f"{self.generation_tool or 'unknown'}, on this machine; install that, or export the "
+            "FMU self-contained)"
+        )
+
     @cached_property
     def _named(self) -> dict[str, FmuVariable]:
         others = {alias: v for v in self.variables for alias in v.aliases}

@@ -131,13 +131,7 @@ def _instantiate(
             session.library, description, session.folder / "resources", messages, logging_on=log
         )
     except FmuError as error:
-        if not description.capabilities.needs_execution_tool:
-            raise
-        tool = description.generation_tool or "unknown"
-        raise FmuError(
-            f"{error}. It declares needsExecutionTool: it may need the tool that made it ({tool}) "
-            "on this machine; install that, or export the FMU self-contained"
-        ) from None
+        raise FmuError(f"{error}{description.tool_hint}") from None
     return Fmu(session, session.instance, description, messages, experiment, record)
 
 

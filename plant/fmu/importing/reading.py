@@ -20,7 +20,7 @@ from .description import (
 from .parsing import MAX_XML_BYTES, Attributes, each, parse_xml, to_float
 from .reading_fmi2 import read_structure_fmi2, read_variables_fmi2
 from .reading_fmi3 import read_structure_fmi3, read_variables_fmi3
-from .unpacking import open_fmu, read_entry
+from .unpacking import entries_by_path, open_fmu, read_entry
 
 XML = "modelDescription.xml"
 
@@ -92,7 +92,7 @@ def inspect_fmu(
 
 def describe(archive: zipfile.ZipFile, sha256: str) -> FmuDescription:
     """Return the description in a checked archive."""
-    names = archive.namelist()
+    names = [name for name, entry in entries_by_path(archive).items() if not entry.is_dir()]
     if XML not in names:
         raise FmuError(
             f"no {XML} at the top of the archive: not an FMU (zip the contents of the folder, "
@@ -127,7 +127,7 @@ def describe(archive: zipfile.ZipFile, sha256: str) -> FmuDescription:
         variables=variables,
         units=tuple(read_unit(element) for element in each(root, "UnitDefinitions")),
         platforms=_platforms(names, identifier),
-        has_sources=any(name.startswith("sources/") and name[-1] != "/" for name in names),
+        has_sources=any(name.startswith("sources/") for name in names),
         capabilities=_capabilities(found.get(CO_SIMULATION)),
         default_experiment=_experiment(root.find("DefaultExperiment")),
         outputs=structure["outputs"],

@@ -366,8 +366,9 @@ class Fmu:
         asked = self._experiment
         start = asked.start_time
         status = self._instance.enter_initialization(start, asked.stop_time, asked.tolerance)
-        self._check(status, "be initialised")
-        self._check(self._instance.exit_initialization(), "be initialised")
+        what = f"be initialised{self.description.tool_hint}"
+        self._check(status, what)
+        self._check(self._instance.exit_initialization(), what)
         self._session.stepping = True
         self._time, self._clock = start, (start, 0, 0.0)
 

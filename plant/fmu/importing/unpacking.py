@@ -66,9 +66,14 @@ def open_fmu(
             yield archive, digest
 
 
+def entries_by_path(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+    """Return the entries of a checked archive by their plain paths, such as a/b for ./a//b."""
+    return {str(PurePosixPath(entry.filename)): entry for entry in archive.infolist()}
+
+
 def read_entry(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
     """Return one entry; FmuError where it is damaged or longer than `limit` bytes."""
-    entry = archive.getinfo(name)
+    entry = entries_by_path(archive)[name]
     if entry.file_size > limit:
         raise FmuError(
             f"{name} of {entry.file_size} bytes: expected at most {limit}; export the FMU with "
@@ -80,8 +85,7 @@ def read_entry(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
 
 def unpack(archive: zipfile.ZipFile, folder: Path) -> None:
     """Unpack a checked archive into an empty folder, never over a file that is there."""
-    entries = {PurePosixPath(entry.filename): entry for entry in archive.infolist()}
-    for entry in entries.values():
+    for entry in entries_by_path(archive).values():
         target = folder.joinpath(*PurePosixPath(entry.filename).parts)
         try:
             if entry.is_dir():
@@ -205,7 +209,7 @@ def _check_entry(entry: zipfile.ZipInfo) -> None:
         raise FmuError(f"entry {name!r}: {remedy}")
     if name.startswith("/") or _DRIVE.match(name):
         raise FmuError(f"entry {name!r} is an absolute path: {remedy}")
-    if ".." in PurePosixPath(name).parts or not PurePosixPath(name).parts:
+    if ".." in PurePosixPath(name).parts or (not PurePosixPath(name).parts and name != "./"):
         raise FmuError(f"entry {name!r} leaves the archive: {remedy}")
     if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
         raise FmuError(

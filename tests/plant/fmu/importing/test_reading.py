@@ -160,6 +160,7 @@ def test_descriptions_that_are_refused(tmp_path, version, change, match):
             read(xml_only(tmp_path, changed(version, change)))
 
 
+OUTPUT = '<Float64 name="y" valueReference="100" causality="output" variability="continuous"'
 REFUSED_STRUCTURES = [
         (('<Unknown index="2"/>', '<Unknown index="0"/>'), "2.0", "there are 8 variables"),
         (('<Unknown index="2"/>', '<Unknown index="9"/>'), "2.0", "there are 8 variables"),
@@ -173,6 +174,14 @@ REFUSED_STRUCTURES = [
          "expected 0 to"),
         (('start="2.0"/>', 'start="2.0"><Dimension valueReference="77"/></Float64>'), "3.0",
          "expected a whole number"),
+        ((f"{OUTPUT}/>", f"{OUTPUT}><Alias/></Float64>"), "3.0", "Alias: no name"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}><Alias name="J"/></Float64>'), "3.0", "two variables 'J'"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}><Alias name="y"/></Float64>'), "3.0", "two variables 'y'"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}/><Binary name="b" valueReference="7"><Start value="0g"/>'
+          "</Binary>"), "3.0", "expected hexadecimal digits"),
+        (("<ModelVariables>", '<TypeDefinitions><EnumerationType name="E"><Item name="a"/>'
+          '</EnumerationType></TypeDefinitions><ModelVariables><Enumeration name="e" '
+          'declaredType="E" valueReference="8"/>'), "3.0", "Item of a type: no value"),
     ]  # fmt: skip
 
 

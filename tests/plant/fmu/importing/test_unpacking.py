@@ -84,6 +84,18 @@ def test_two_entries_of_one_name_that_are_the_same(tmp_path, names):
         assert plant.step([1.0])[1] == 0.0005
 
 
+@VERSIONS
+def test_paths_that_begin_with_a_dot(tmp_path, version):
+    """As tar writes them."""
+    with zipfile.ZipFile(fmu(tmp_path, version=version)) as packed:
+        entries = [(f"./{name}", packed.read(name)) for name in packed.namelist()]
+    path = archive(tmp_path / "x.fmu", [("./", b""), ("./sources/", b""), *entries])
+    assert inspect_fmu(path).has_sources
+    assert len(inspect_fmu(path).platforms) == 1
+    with load_fmu(path) as plant:
+        assert plant.step([1.0])[1] == 0.0005
+
+
 def test_a_file_and_a_folder_of_one_name_differ(tmp_path):
     refused(doubled(tmp_path, ("a", b""), ("a/", b"")), "two entries 'a' that differ")
 
