@@ -42,6 +42,8 @@ class Model:
     """Pairs (old, new) put into the XML after it is made."""
     prelude: str = ""
     """C code before everything else."""
+    epilogue: str = ""
+    """C code behind everything else."""
     missing: str = ""
     """Function of the C source that is left out."""
 
@@ -135,7 +137,7 @@ def _xml2(model):
             causality = "local"
             of = f' derivative="{1 + next(i for i, r in enumerate(rows) if r[0] == name[4:-1])}"'
         variability = "tunable" if causality == "parameter" else "continuous"
-        if kind != "Real":
+        if kind != "Real" and causality != "parameter":
             variability = "discrete"
         lines.append(
             f'<ScalarVariable name={quoteattr(name)} valueReference="{reference}" '
@@ -169,13 +171,13 @@ def _xml3(model):
         given = "" if start is None else f' start="{start!r}"'
         if kind == "Boolean" and start is not None:
             given = f' start="{str(bool(start)).lower()}"'
-        if kind == "Int32" and start is not None:
+        if "Int" in kind and start is not None:
             given = f' start="{int(start)}"'
         if causality == "derivative":
             causality = "local"
             given = f' derivative="{FIRST["local"] + reference - FIRST["derivative"]}"'
         variability = "tunable" if causality == "parameter" else "continuous"
-        if kind != "Float64":
+        if kind != "Float64" and causality != "parameter":
             variability = "discrete"
         lines.append(
             f'<{kind} name={quoteattr(name)} valueReference="{reference}" '
@@ -251,7 +253,7 @@ static void slope(State *s, const double *du, const double *dx, double *dy, doub
     if model.missing:
         assert model.missing in body
         body = body.replace(f" {model.missing}(", f" left_out_{model.missing}(")
-    return head + body
+    return head + body + model.epilogue
 
 
 _COMMON = r"""

@@ -1,4 +1,4 @@
-"""Inputs and outputs of an FMU as one array of doubles each, moved by preallocated calls."""
+"""Inputs and outputs of an FMU as one array of numbers each, moved by preallocated calls."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class Port:
     labels : tuple of str
         One per value: the variables' names in the order of the file, arrays spread out.
     values : (n,) array
-        What `move` writes, or reads. Where all variables are doubles, FMI's own buffer.
+        What `move` writes, or reads. Where all variables are doubles, FMI's own buffer; where
+        some are integers of 64 bits, objects, which hold these as int.
     move : callable
         Moves all the values; returns FMI's status.
     """
@@ -36,7 +37,8 @@ class Port:
         writes: bool,
     ) -> None:
         self.labels = tuple(label for variable in variables for label in variable.labels)
-        self.values = np.zeros(len(self.labels))
+        wide = any(is_wide(dtypes[variable.type]) for variable in variables)
+        self.values = np.zeros(len(self.labels), object if wide else float)
         self.shape = self.values.shape
         self._index = {label: i for i, label in enumerate(self.labels)}
         places = np.cumsum([0] + [variable.size for variable in variables])
@@ -62,19 +64,24 @@ class Port:
     def _write(self) -> int:
         status = 0
         for index, buffer, call in self._groups:
-            wanted = self.values[index]
-            with np.errstate(invalid="ignore"):
-                buffer[:] = wanted
-            if buffer.dtype.kind != "f" and (buffer != wanted).any():
-                names = ", ".join(self.labels[i] for i in index)
-                raise FmuError(
-                    f"{names} = {wanted.tolist()}: expected whole numbers within the range of "
-                    f"{buffer.dtype.name}"
-                )
+            self._fill(buffer, index)
             status = max(status, call())
             if status > WARNING:
                 break
         return status
+
+    def _fill(self, buffer: Any, index: Any) -> None:
+        wanted = self.values[index]
+        if buffer.dtype.kind != "f":
+            for place, value in zip(index, wanted.tolist(), strict=True):
+                _check_whole(self.labels[place], value, buffer.dtype)
+        try:
+            buffer[:] = wanted
+        except OverflowError:
+            raise FmuError(
+                f"{', '.join(self.labels[i] for i in index)} = {wanted.tolist()}: expected numbers "
+                "that a double can hold"
+            ) from None
 
     def _read(self) -> int:
         status = 0
@@ -88,15 +95,16 @@ class Port:
     def take(self, given: Mapping[str, float] | ArrayLike) -> None:
         """Put what a caller gives into `values`: a mapping by name, or all of them in order."""
         if isinstance(given, Mapping):
-            found = {self.position(name): _number(name, value) for name, value in given.items()}
-            for place, value in found.items():
-                self.values[place] = value
+            numbers = {self.position(n): self._number(n, v) for n, v in given.items()}
+            for place, number in numbers.items():
+                self.values[place] = number
             return
-        array = np.asarray(given)
+        array = self._gathered(given)
         if array.dtype.kind not in "biuf":
             flat = np.asarray(given, dtype=object).reshape(-1)
             names = self.labels if len(self.labels) == flat.size else ["inputs"] * flat.size
-            array = np.array([_number(*pair) for pair in zip(names, flat, strict=True)])
+            found = [self._number(*pair) for pair in zip(names, flat, strict=True)]
+            array = np.array(found, self.values.dtype).reshape(array.shape)
         if array.ndim == 0 and self.shape == (1,):
             array = array[None]
         if array.shape != self.shape:
@@ -114,11 +122,47 @@ class Port:
             raise FmuError(f"no input {name!r}{candidates(name, self.labels)}")
         return found
 
+    def _gathered(self, given: Any) -> Any:
+        """Return what is given as an array, its integers as they are."""
+        if isinstance(given, np.ndarray) or self.values.dtype != object:
+            return np.asarray(given)
+        return np.asarray(given, dtype=object)
 
-def _number(name: str, value: Any) -> float:
+    def _number(self, name: str, value: Any) -> float:
+        return exact_number(f"input {name!r}", value, self.values.dtype)
+
+
+def is_wide(dtype: Any) -> bool:
+    """Return whether a double does not hold every value of a type: integers of 64 bits."""
+    return np.dtype(dtype) in (np.int64, np.uint64)
+
+
+def exact_number(told: str, value: Any, dtype: Any) -> float:
+    """Return a number for an array of doubles, or, an integer as it is, of objects."""
     if isinstance(value, str | bytes | None) or np.ndim(value):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number")
+        raise TypeError(f"{told} = {value!r}: expected a number")
+    if np.dtype(dtype).hasobject and isinstance(value, int | np.integer):
+        return int(value)
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number") from None
+        raise TypeError(f"{told} = {value!r}: expected a number") from None
+    except OverflowError:
+        raise FmuError(f"{told} = {value!r}: expected a number that a double can hold") from None
+
+
+def shown(values: Any) -> Any:
+    """Return a copy, as doubles where these hold every integer of it, else as it is."""
+    if values.dtype != object:
+        return values.copy()
+    held = all(type(value) is float or float(value) == value for value in values.tolist())
+    return values.astype(float) if held else values.copy()
+
+
+def _check_whole(name: str, value: float, dtype: Any) -> None:
+    low, high = (0, 1) if dtype.kind == "b" else (np.iinfo(dtype).min, np.iinfo(dtype).max)
+    if not (low <= value <= high and value == int(value)):
+        raise FmuError(
+            f"{name} = {value!r}: expected whole numbers within the range of {dtype.name}, {low} "
+            f"to {high}"
+        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Mapping
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -16,7 +17,7 @@ from . import binding_fmi2, binding_fmi3
 from .description import FmuDescription, FmuError, FmuVariable
 from .instance import Instance
 from .library import FATAL, STATUS, WARNING, Log, Session
-from .ports import Port
+from .ports import Port, exact_number, is_wide, shown
 
 if TYPE_CHECKING:
     import control
@@ -82,7 +83,8 @@ class Fmu:
         self._inputs = Port(inputs, self._dtypes, instance.setter, writes=True)
         self._outputs = Port(outputs, self._dtypes, instance.getter, writes=False)
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self._start_inputs = np.concatenate([_start_values(v) for v in inputs] or [np.zeros(0)])
+        starts = [_start_values(v, self._inputs.values.dtype) for v in inputs]
+        self._start_inputs = np.concatenate(starts or [np.zeros(0)])
         self._given: Mapping[str, Any] = {}
         self._start_time = self._time = start_time
         self._clock = (start_time, 0, 0.0)
@@ -93,6 +95,8 @@ class Fmu:
         """Keep at hand what every step needs."""
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
+        exact = self._found.dtype == object
+        self._show = partial(shown, self._found) if exact else self._found.copy
         self._put, self._fetch = self._inputs.move, self._outputs.move
         self._do_step = self._instance.do_step
 
@@ -130,12 +134,12 @@ class Fmu:
         """Outputs at the present communication point, (number of outputs,)."""
         self._check_open()
         self._check(self._fetch(), "show its outputs")
-        return self._found.copy()
+        return shown(self._found)
 
     @property
     def inputs(self) -> FloatArray:
         """Inputs as they were last given, (number of inputs,)."""
-        return self._values.copy()
+        return shown(self._values)
 
     @property
     def parameters(self) -> dict[str, object]:
@@ -165,7 +169,8 @@ class Fmu:
         Returns
         -------
         (number of outputs,) array
-            In the order of `output_names`; a new one each time.
+            In the order of `output_names`; a new one each time. Of doubles, but where one of them
+            does not hold an integer of 64 bits, of objects: floats, and exact ints.
 
         Raises
         ------
@@ -198,7 +203,7 @@ class Fmu:
         status = self._fetch()
         if status > WARNING:
             self._fail(status, "show its outputs")
-        return self._found.copy()
+        return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
         if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
@@ -258,8 +263,10 @@ class Fmu:
             return text
         port = self._port(variable, self._instance.getter, writes=False)
         self._check(port.move(), f"show {name!r}")
-        values = port.values.tolist()
-        return port.values if variable.shape else _as_declared(variable, values[0])
+        if not variable.shape:
+            return _as_declared(variable, port.values.tolist()[0])
+        dtype = self._dtypes[variable.type]
+        return port.values.astype(dtype) if is_wide(dtype) else port.values
 
     def set(self, name: str, value: object) -> None:
         """Set a tunable parameter, by name, from the next step on.
@@ -314,7 +321,7 @@ class Fmu:
             _check_settable(variable)
             self._set(variable, value)
             if name in self.input_names:
-                self._values[self._inputs.position(name)] = _number(name, value)
+                self._values[self._inputs.position(name)] = _number(name, value, self._values.dtype)
         start = self._start_time
         # no stop time: an FMU may refuse to step beyond the one it is given
         self._check(self._instance.enter_initialization(start, None), "be initialised")
@@ -333,9 +340,10 @@ class Fmu:
             return
         port = self._port(variable, self._instance.setter, writes=True)
         if variable.shape:
-            port.take(np.ravel(value))
+            array = value if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
+            port.take(array.ravel())
         else:
-            port.values[0] = _number(variable.name, value)
+            port.values[0] = _number(variable.name, value, port.values.dtype)
         self._check(port.move(), f"take {variable.name} = {value!r}")
 
     def _port(self, variable: FmuVariable, mover: Any, *, writes: bool) -> Port:
@@ -404,19 +412,19 @@ def _check_settable(variable: FmuVariable) -> None:
         )
 
 
-def _number(name: str, value: Any) -> float:
+def _number(name: str, value: Any, dtype: Any) -> float:
     """Return a number, which may be infinite, as limits are."""
-    if isinstance(value, str) or not np.isscalar(value):
+    if not np.isscalar(value):
         raise TypeError(f"{name} = {value!r}: expected a number")
-    number = float(value)  # type: ignore[arg-type]
-    if np.isnan(number):
+    number = exact_number(name, value, dtype)
+    if isinstance(number, float) and np.isnan(number):
         raise FmuError(f"{name} = {value!r}: expected a number")
     return number
 
 
-def _start_values(variable: FmuVariable) -> FloatArray:
+def _start_values(variable: FmuVariable, dtype: Any) -> Any:
     start: Any = 0.0 if variable.start is None else variable.start
-    return np.broadcast_to(np.asarray(start, dtype=float), (variable.size,))
+    return np.broadcast_to(np.asarray(start, dtype=dtype), (variable.size,))
 
 
 def _as_declared(variable: FmuVariable, value: float) -> object:
