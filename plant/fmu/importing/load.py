@@ -11,6 +11,8 @@ from typing import Any
 
 from ....shaping.checks import finite, positive
 from .description import CO_SIMULATION, FmuDescription, FmuError
+from .instance import Instance
+from .isolation import RemoteInstance, isolate
 from .library import Log, Session, find_library, load_library
 from .reading import describe
 from .stepping import Fmu, binding_of
@@ -24,6 +26,8 @@ def load_fmu(
     dt: float | None = None,
     parameters: Mapping[str, Any] | None = None,
     start_time: float | None = None,
+    isolated: bool = False,
+    timeout: float | None = None,
 ) -> Fmu:
     """Return a co-simulation FMU, unpacked, loaded and initialised, ready to step.
 
@@ -44,6 +48,13 @@ def load_fmu(
         outlast `Fmu.reset`.
     start_time : float, optional
         Default: that of the default experiment, or 0.
+    isolated : bool, optional
+        Whether the FMU runs in a process of its own: if it crashes or ends its process, that is
+        an FmuError here, and what it prints goes to standard error. A step then takes some tens
+        of microseconds more. The process may do all that this one may: no protection from malice.
+    timeout : float, optional
+        Seconds that a call of an isolated FMU may take, each step and its instantiation; then it
+        is stopped, with an FmuError. Default: no limit.
 
     Returns
     -------
@@ -76,6 +87,13 @@ def load_fmu(
     """
     if dt is not None:
         dt = positive("dt", dt)
+    if timeout is not None:
+        timeout = positive("timeout", timeout)
+        if not isolated:
+            raise FmuError(
+                f"timeout = {timeout!r}: only an FMU in a process of its own can be stopped; give "
+                "isolated=True, too"
+            )
     with open_fmu(Path(path)) as (archive, digest):
         _check_digest(path, digest, sha256)
         description = describe(archive, digest)
@@ -83,7 +101,15 @@ def load_fmu(
         session = Session(Path(tempfile.mkdtemp(prefix="jounce_fmu_")))
         try:
             unpack(archive, session.folder)
-            return _start(session, description, dt, parameters or {}, start_time)
+            return _start(
+                session,
+                description,
+                dt,
+                parameters or {},
+                start_time,
+                isolated=isolated,
+                timeout=timeout,
+            )
         except BaseException:
             session.close()
             raise
@@ -95,19 +121,42 @@ def _start(
     dt: float | None,
     parameters: Mapping[str, Any],
     start_time: float | None,
+    *,
+    isolated: bool,
+    timeout: float | None,
 ) -> Fmu:
     experiment = description.default_experiment
-    session.library = load_library(find_library(session.folder, description))
     log = Log()
-    resources = session.folder / "resources"
-    instance = binding_of(description).instantiate(session.library, description, resources, log)
-    session.instance = instance
+    instance = _instance(session, description, log, isolated=isolated, timeout=timeout)
     if dt is None and experiment.step_size is not None:
         dt = _suggested(experiment.step_size)
     start = experiment.start_time or 0.0 if start_time is None else start_time
     fmu = Fmu(session, instance, description, log, dt, finite("start_time", start))
     fmu.initialize(parameters)
     return fmu
+
+
+def _instance(
+    session: Session,
+    description: FmuDescription,
+    log: Log,
+    *,
+    isolated: bool,
+    timeout: float | None,
+) -> Instance | RemoteInstance:
+    """Return a new instance, which the session will close."""
+    library, resources = find_library(session.folder, description), session.folder / "resources"
+    if isolated:
+        session.process, session.instance = isolate(
+            library, description, resources, log, timeout=timeout
+        )
+        return session.instance
+    session.library = load_library(library)
+    instance: Instance = binding_of(description).instantiate(
+        session.library, description, resources, log
+    )
+    session.instance = instance
+    return instance
 
 
 def _suggested(step_size: float) -> float:

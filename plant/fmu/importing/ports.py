@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ....shaping.pieces import FloatArray
 from .description import FmuError, FmuVariable, candidates
 from .library import WARNING
 
@@ -151,12 +152,13 @@ def exact_number(told: str, value: Any, dtype: Any) -> float:
         raise FmuError(f"{told} = {value!r}: expected a number that a double can hold") from None
 
 
-def shown(values: Any) -> Any:
+def shown(values: Any) -> FloatArray:
     """Return a copy, as doubles where these hold every integer of it, else as it is."""
-    if values.dtype != object:
-        return values.copy()
-    held = all(type(value) is float or float(value) == value for value in values.tolist())
-    return values.astype(float) if held else values.copy()
+    exact = values.dtype != object or all(
+        type(value) is float or float(value) == value for value in values.tolist()
+    )
+    found: FloatArray = np.array(values, dtype=float if exact else object)
+    return found
 
 
 def _check_whole(name: str, value: float, dtype: Any) -> None:
