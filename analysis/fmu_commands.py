@@ -139,6 +139,7 @@ def run_command(
 
     Parameters and inputs are those of the FMU, or as --set says.
     """
+    from ..plant.fmu.importing.description import FmuError
     from ..plant.fmu.importing.load import load_fmu
     from ..plant.fmu.importing.reading import inspect_fmu
     from .command_line import print_parts
@@ -150,11 +151,22 @@ def run_command(
     values = dict(_setting(description, text) for text in setting or ())
     dt = None if step is None else _seconds("--step", step)
     pinned = description.sha256 if sha256 is None else sha256
-    with load_fmu(file, sha256=pinned, dt=dt, parameters=values) as fmu:
-        result = _run(fmu, None if duration is None else _seconds("--duration", duration))
     units = _units(description)
+    with load_fmu(file, sha256=pinned, dt=dt, parameters=values) as fmu:
+        try:
+            result = _run(fmu, None if duration is None else _seconds("--duration", duration))
+        except FmuError as error:
+            if error.result is None:
+                raise
+            files = _write_run(error.result, units, description, csv, plot)
+            kept = f"; wrote {', '.join(map(str, files))} up to time {error.result.time[-1]:.12g}"
+            raise FmuError(f"{error}{kept if files else ''}") from error
     written = _write_run(result, units, description, csv, plot)
-    print_parts(run_table(result, result.outputs, units), *(f"Wrote {path}" for path in written))
+    print_parts(
+        run_table(result, result.outputs, units),
+        *([result.ended] if result.ended else []),
+        *(f"Wrote {path}" for path in written),
+    )
 
 
 def _run(fmu: Fmu, duration: float | None) -> CosimulationResult:

@@ -12,7 +12,8 @@ from ....shaping import Trajectory
 from ....shaping.derivatives import derivative_name
 from ....shaping.pieces import FloatArray
 from ...sampled import zero_order_hold
-from ..importing.description import FmuError
+from ..importing.description import FmuError, FmuTerminated
+from ..importing.ports import WIDE
 from ..importing.stepping import Fmu
 
 _SAME_DT = 1e-9
@@ -23,7 +24,8 @@ class Participant(Protocol):
 
     `held` are the inputs where nothing is connected, nan where something must be; `through`
     (outputs, inputs) is True where an output of a step passes an input on within no time; `units`
-    are those of the signals that have one.
+    are those of the signals that have one; `wide` the types of those that are integers of 64
+    bits. `ended` says when and why the block has ended the simulation, if it has.
     """
 
     inputs: tuple[str, ...]
@@ -31,6 +33,8 @@ class Participant(Protocol):
     held: FloatArray
     through: Any
     units: Mapping[str, str]
+    wide: Mapping[str, Any]
+    ended: str
 
     def start(self) -> FloatArray:
         """Return the outputs before the first step."""
@@ -91,6 +95,11 @@ class _FmuBlock:
         self.units: Mapping[str, str] = {
             label: v.unit for v in numeric if v.unit not in ("", "1") for label in v.labels
         }
+        self.wide: Mapping[str, Any] = {
+            label: WIDE[v.type] for v in numeric if v.type in WIDE for label in v.labels
+        }
+        self.ended = ""
+        self._name = name
         self._fmu = fmu
         self._dt = dt
 
@@ -98,7 +107,14 @@ class _FmuBlock:
         return self._fmu.outputs
 
     def step(self, inputs: FloatArray) -> FloatArray:
-        return self._fmu.step(inputs, self._dt)
+        before = self._fmu.time
+        try:
+            return self._fmu.step(inputs, self._dt)
+        except FmuTerminated as end:
+            self.ended = f"{self._name} ended the simulation at time {end.time:.12g}"
+            if not end.reached or end.time == before:
+                raise
+            return end.outputs
 
 
 class _Linear:
@@ -127,6 +143,8 @@ class _Linear:
         self.held = np.full(len(self.inputs), np.nan)
         self.through = held.D != 0.0
         self.units: Mapping[str, str] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
         self._before = held.C * late[:, None]
@@ -153,6 +171,8 @@ class _Source:
         self.held = np.zeros(0)
         self.through = np.zeros((len(self.outputs), 0), dtype=bool)
         self.units: Mapping[str, str] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
 

@@ -97,8 +97,8 @@ class Session:
             if self.instance is not None and not self.fatal:
                 self.instance.free_state(pointer)
 
-    def close(self) -> None:
-        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+    def free_instance(self) -> None:
+        """Free the instance with its states, and end the process that it has of its own."""
         try:
             if self.instance is not None and not self.fatal:
                 for pointer in list(self.states):
@@ -108,12 +108,20 @@ class Session:
                 self.instance.free()
         finally:
             self.instance = None
+            self.stepping = False
             self.states.clear()
+            if self.process is not None:
+                self.process.close()
+            self.process = None
+
+    def close(self) -> None:
+        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+        try:
+            self.free_instance()
+        finally:
             if self.library is not None and not self.fatal:
                 unload(self.library)
             self.library = None
-            if self.process is not None:
-                self.process.close()
             if not self.keeps_folder:
                 shutil.rmtree(self.folder, ignore_errors=True)
 

@@ -6,6 +6,7 @@ import math
 import os
 import tempfile
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -126,19 +127,18 @@ def _start(
     timeout: float | None,
 ) -> Fmu:
     experiment = description.default_experiment
-    log = Log()
-    instance = _instance(session, description, log, isolated=isolated, timeout=timeout)
+    instantiate = partial(_instance, description, isolated=isolated, timeout=timeout)
     if dt is None and experiment.step_size is not None:
         dt = _suggested(experiment.step_size)
     start = experiment.start_time or 0.0 if start_time is None else start_time
-    fmu = Fmu(session, instance, description, log, dt, finite("start_time", start))
+    fmu = Fmu(session, instantiate, description, Log(), dt, finite("start_time", start))
     fmu.initialize(parameters)
     return fmu
 
 
 def _instance(
-    session: Session,
     description: FmuDescription,
+    session: Session,
     log: Log,
     *,
     isolated: bool,
@@ -151,7 +151,8 @@ def _instance(
             library, description, resources, log, timeout=timeout
         )
         return session.instance
-    session.library = load_library(library)
+    if session.library is None:
+        session.library = load_library(library)
     instance: Instance = binding_of(description).instantiate(
         session.library, description, resources, log
     )

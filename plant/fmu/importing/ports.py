@@ -12,6 +12,9 @@ from ....shaping.pieces import FloatArray
 from .description import FmuError, FmuVariable, candidates
 from .library import WARNING
 
+WIDE = {"Int64": np.int64, "UInt64": np.uint64}
+"""Types of variables whose values a double does not always hold."""
+
 Mover = Callable[[str, Sequence[int], Any], Callable[[], int]]
 
 

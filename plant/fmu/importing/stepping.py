@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
@@ -68,7 +68,7 @@ class Fmu:
     def __init__(
         self,
         session: Session,
-        instance: Instance | RemoteInstance,
+        instantiate: Callable[[Session, Log], Instance | RemoteInstance],
         description: FmuDescription,
         log: Log,
         dt: float | None,
@@ -77,14 +77,14 @@ class Fmu:
         self.description = description
         self.dt = dt
         self._session = session
-        self._instance = instance
+        self._instantiate = instantiate
         self._log = log
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
         outputs = [v for v in numeric if v.causality == "output"]
-        self._inputs = Port(inputs, self._dtypes, instance.input_setter, writes=True)
-        self._outputs = Port(outputs, self._dtypes, instance.output_getter, writes=False)
+        self._ports = inputs, outputs
+        self._attach()
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
         starts = [_start_values(v, self._inputs.values.dtype) for v in inputs]
         self._start_inputs = np.concatenate(starts or [np.zeros(0)])
@@ -94,11 +94,14 @@ class Fmu:
         self._at_start = False
         self._start_time = self._time = start_time
         self._clock = (start_time, 0, 0.0)
-        self._bind()
         self._finalizer = weakref.finalize(self, session.close)
 
-    def _bind(self) -> None:
-        """Keep at hand what every step needs."""
+    def _attach(self) -> None:
+        """Make a new instance, and keep at hand what every step needs."""
+        self._instance = instance = self._instantiate(self._session, self._log)
+        inputs, outputs = self._ports
+        self._inputs = Port(inputs, self._dtypes, instance.input_setter, writes=True)
+        self._outputs = Port(outputs, self._dtypes, instance.output_getter, writes=False)
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
         exact = self._found.dtype == object
@@ -242,8 +245,13 @@ class Fmu:
         """
         self._check_open()
         self._session.stepping = False
+        ended = self._terminated and not self._states
         self._stop("before it is initialised again")
-        self._check(self._instance.reset(), "be reset")
+        if ended:  # some FMUs forget to reset that they have ended
+            self._session.free_instance()
+            self._attach()
+        else:
+            self._check(self._instance.reset(), "be reset")
         self.initialize(self._given if parameters is None else parameters)
 
     def get_state(self) -> FmuState:
