@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..plant.fmu.cosimulation.cosimulation_result import CosimulationResult
     from ..plant.fmu.cosimulation.fmu_system import FmuSystem
     from ..plant.fmu.cosimulation.over_time import Source
+    from ..plant.fmu.importing.description import FmuError
 
 _MAX_PANELS = 40
 _NEARLY = 1e-9
@@ -76,6 +77,7 @@ def run_command(
 
     In an SSP, names are those of its own inputs and outputs, and component.variable.
     """
+    from ..plant.fmu.importing.description import FmuError
     from .command_line import print_parts
     from .fmu_options import check_files, check_readable, seconds, size_in_bytes
     from .fmu_report import run_table
@@ -95,11 +97,15 @@ def run_command(
         "timeout": seconds("--timeout", timeout) if isolated else None,
     }
     with _loaded(file, setting or [], sha256, options) as system:
-        result = system.run(_lasting(system, wanted, until), inputs=_inputs(system, inputs))
-        units = {name: unit.name for name, unit in system.units.items()}
-        written = _write(result, system, units, csv, plot)
-        _print_log(system)
-    print_parts(run_table(result, result.outputs, units), *result.notes)
+        try:
+            result = system.run(_lasting(system, wanted, until), inputs=_inputs(system, inputs))
+        except FmuError as error:
+            raise _kept(error, system, csv, plot) from None
+        finally:
+            _print_log(system)
+        written = _write(result, system, csv, plot)
+    print_parts(run_table(result, result.outputs, _unit_names(system)), *result.notes)
+    print_parts(*([result.ended] if result.ended else []))
     if plot is not None and len(result.outputs) > _MAX_PANELS:
         print_parts(f"The picture shows the first {_MAX_PANELS} of {len(result.outputs)} outputs")
     print_parts(*(f"Wrote {path}" for path in written))
@@ -116,7 +122,6 @@ def _loaded(
     from .fmu_options import is_ssp, settings_of, settings_within
 
     limit = options["max_unpacked_bytes"]
-    options = {k: v for k, v in options.items() if k not in ("isolated", "timeout")}  # SHIM
     if is_ssp(file):
         plan = inspect_ssp(file, max_unpacked_bytes=limit)
         values = settings_within(plan, settings)
@@ -159,10 +164,24 @@ def _inputs(system: FmuSystem, path: Path | None) -> Mapping[str, Source]:
     return read_inputs(path, {name: system.units.get(name) for name in names})
 
 
+def _kept(error: FmuError, system: FmuSystem, csv: Path | None, plot: Path | None) -> FmuError:
+    """Write the rows before an error, and return it with word of them."""
+    if error.result is None:
+        return error
+    files = _write(error.result, system, csv, plot)
+    if not files:
+        return error
+    told = f"wrote {', '.join(map(str, files))} up to time {error.result.time[-1]:.12g}"
+    return type(error)(f"{error}; {told}")
+
+
+def _unit_names(system: FmuSystem) -> dict[str, str]:
+    return {name: unit.name for name, unit in system.units.items()}
+
+
 def _write(
     result: CosimulationResult,
     system: FmuSystem,
-    units: Mapping[str, str],
     csv: Path | None,
     plot: Path | None,
 ) -> list[Path]:
@@ -175,7 +194,7 @@ def _write(
         from .plots.cosimulation import plot_cosimulation
         from .plots.style import plain
 
-        shown = result.outputs[:_MAX_PANELS]
+        shown, units = result.outputs[:_MAX_PANELS], _unit_names(system)
         figure = plot_cosimulation(result, shown)
         figure.suptitle(plain(_title(system)), fontsize=11)
         for ax, name in zip(figure.axes, shown, strict=True):

@@ -13,9 +13,10 @@ import numpy as np
 from ....shaping import Trajectory
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
-from ..importing.description import FmuError, candidates
+from ..importing.description import FmuError, FmuTerminated, candidates
 from ..importing.stepping import Fmu
 from .cosimulation_result import CosimulationResult
+from .mixing import mix
 from .participants import Participant, participant, start_time
 from .wiring import Connections, Wiring, connect, loops
 
@@ -81,6 +82,7 @@ def cosimulate(
     Returns
     -------
     CosimulationResult
+        Where an FMU ends the simulation, as FMI allows, with the rows up to then, and `ended`.
 
     Raises
     ------
@@ -90,6 +92,7 @@ def cosimulate(
         A ValueError, for names that nothing has, loose inputs of linear systems, algebraic loops,
         units of different dimension, a duration that is no multiple of dt, FMUs that stand at
         different times, signals that leave the range of a double, and whatever an FMU reports.
+        Its `result` is a CosimulationResult of the rows before the error, where there are any.
 
     References
     ----------
@@ -131,13 +134,24 @@ def cosimulate(
     wiring = connect(parts, connections, time)
     sources = frozenset(n for n, block in blocks.items() if isinstance(block, Trajectory))
     with _bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
-        run = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
-        signals = MappingProxyType(run)
+        run, error = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
     delays, extra = _delays(wiring, method, sequence, sources)
     outputs = tuple(f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs)
-    return CosimulationResult(
-        time, signals, outputs, tuple(sequence), method, delays, extra, wiring.notes
+    result = CosimulationResult(
+        time[: len(next(iter(run.values())))],
+        MappingProxyType(run),
+        outputs,
+        tuple(sequence),
+        method,
+        delays,
+        extra,
+        ended=next((part.ended for part in parts.values() if part.ended), ""),
+        notes=wiring.notes,
     )
+    if error is not None:
+        error.result = result
+        raise error
+    return result
 
 
 def _delays(
@@ -168,13 +182,18 @@ def _run(
     sources: frozenset[str],
     at_once: bool,
     advance: Any,
-) -> dict[str, FloatArray]:
-    """Return the signals of all blocks by name."""
-    places, shown = _places(parts), np.concatenate([part.start() for part in parts.values()])
-    outputs = np.empty((len(time), len(shown)))
+) -> tuple[dict[str, FloatArray], FmuError | None]:
+    """Return the signals of all blocks by name, and the error that broke the run off."""
+    wide = {n: [i for i, s in enumerate(p.inputs) if s in p.wide] for n, p in parts.items()}
+    exact = any(part.wide for part in parts.values())
+    places = _places(parts)
+    shown = np.concatenate(
+        [part.start() for part in parts.values()], dtype=object if exact else float
+    )
+    outputs = np.empty((len(time), len(shown)), shown.dtype)
     inputs = wiring.given  # to which is added, step by step, what the blocks show
     turns = [
-        (parts[n].step, *_used(wiring.weights[n]), places[n], inputs[n])
+        (parts[n].step, *_used(wiring.weights[n]), wide[n], places[n], inputs[n])
         for n in sequence
         if n not in sources
     ]
@@ -182,24 +201,51 @@ def _run(
     steps = len(time) - 1
     chunk = max(steps // _CHUNKS, 1)
     outputs[0] = shown
-    for k in range(steps):
-        seen = shown.copy() if at_once else shown
-        for step, weights, used, place, record in turns:
-            u = record[k]
-            u += weights @ seen[used]
-            shown[place] = step(u)
-        for step, place, nothing in given:
-            shown[place] = step(nothing)
-        outputs[k + 1] = shown
-        if k % chunk == 0 or k == steps - 1:
-            _check_finite(shown, parts, time[k + 1])
-            advance((k + 1) / steps)
-    signals = {}
+    first = [
+        mix(record[0], weights, shown[used], whole) for _, weights, used, whole, _, record in turns
+    ]
+    watched = np.array([s not in part.recorded for part in parts.values() for s in part.outputs])
+    rows, error, checked = 1, None, 0
+    try:
+        for k in range(steps):
+            seen = shown.copy() if at_once else shown
+            for step, weights, used, whole, place, record in turns:
+                u = record[k] = mix(record[k], weights, seen[used], whole)
+                shown[place] = step(u)
+            for step, place, nothing in given:
+                shown[place] = step(nothing)
+            outputs[k + 1] = shown
+            rows = k + 2
+            ended = any(part.ended for part in parts.values())
+            if k % chunk == 0 or k == steps - 1 or ended:
+                rows = checked + _finite_rows(outputs[checked:rows, watched])
+                if rows < k + 2:
+                    raise _not_finite(outputs[rows], parts, time[rows])
+                checked = rows
+                advance((k + 1) / steps)
+            if ended:
+                break
+    except FmuTerminated:
+        pass
+    except FmuError as broken:
+        error = broken
+    if rows == 1:
+        for (*_, record), u in zip(turns, first, strict=True):
+            record[0] = u
+    return _signals(parts, outputs[:rows], {n: i[:rows] for n, i in inputs.items()}), error
+
+
+def _signals(
+    parts: Mapping[str, Participant], outputs: Any, inputs: Mapping[str, Any]
+) -> dict[str, FloatArray]:
+    """Return the columns of what was recorded by name; the last inputs are those before again."""
+    places, rows, signals = _places(parts), len(outputs), {}
     for name, part in parts.items():
-        inputs[name][-1] = inputs[name][-2]
-        columns = [*outputs.T[places[name]], *inputs[name].T]
+        if rows > 1:
+            inputs[name][rows - 1] = inputs[name][rows - 2]
+        columns = [*outputs[:, places[name]].T, *inputs[name].T]
         for signal, column in zip((*part.outputs, *part.inputs), columns, strict=True):
-            column = np.ascontiguousarray(column)
+            column = np.ascontiguousarray(column, dtype=part.wide.get(signal, float))
             column.flags.writeable = False
             signals[f"{name}.{signal}"] = column
     return signals
@@ -219,20 +265,23 @@ def _places(parts: Mapping[str, Participant]) -> dict[str, slice]:
     }
 
 
-def _check_finite(shown: FloatArray, parts: Mapping[str, Participant], time: float) -> None:
-    if np.isfinite(shown).all():
-        return
+def _finite_rows(rows: Any) -> int:
+    """Return how many rows there are before the first that is not finite."""
+    finite = np.isfinite(rows.astype(float, copy=False)).all(axis=1)
+    return len(finite) if finite.all() else int(finite.argmin())
+
+
+def _not_finite(row: Any, parts: Mapping[str, Participant], time: float) -> FmuError:
     signals = [(name, part, own) for name, part in parts.items() for own in part.outputs]
     lost = [
         f"{name}.{own}"
-        for (name, part, own), value in zip(signals, shown, strict=True)
-        if not np.isfinite(value) and own not in part.recorded
+        for (name, part, own), value in zip(signals, row, strict=True)
+        if not np.isfinite(float(value)) and own not in part.recorded
     ]
-    if lost:
-        raise FmuError(
-            f"{', '.join(lost[:5])} left the range of a double before time {time:g}: the loop is "
-            "unstable; check signs, gains, dt and the delays that the order causes"
-        )
+    return FmuError(
+        f"{', '.join(lost[:5])} left the range of a double at time {time:g}: the loop is "
+        "unstable; check signs, gains, dt and the delays that the order causes"
+    )
 
 
 def _check_names(blocks: Mapping[str, Any]) -> None:

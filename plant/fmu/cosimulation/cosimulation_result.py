@@ -9,8 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from ....shaping.pieces import FloatArray
 from ..exporting.archive import write_atomically
 from ..importing.description import FmuError, candidates
@@ -24,9 +22,9 @@ class CosimulationResult:
     ----------
     time : (N + 1,) array
     signals : mapping of str to (N + 1,) array
-        By "block.signal", read-only. An output at t_k is what the block showed there, before the
-        step that begins at t_k. An input at t_k is what the block was given for that step (for
-        t_N, where none begins, the last one again).
+        By "block.signal", read-only, of doubles or integers of 64 bits. An output at t_k is what
+        the block showed there, before the step that begins at t_k. An input at t_k is what the
+        block was given for that step (for t_N, where none begins, the last one again).
     outputs : tuple of str
         Which of the signals are outputs.
     order : tuple of str
@@ -39,6 +37,8 @@ class CosimulationResult:
     loops : mapping of str to int
         By loop of blocks: samples of delay beyond those of a sampled loop with a zero-order hold,
         which are the delays around the loop less 1.
+    ended : str
+        Which FMU ended the simulation, and when; empty where the run went through.
     notes : tuple of str
         Units that were converted, and tables that ended before the run.
     """
@@ -50,6 +50,7 @@ class CosimulationResult:
     method: str
     delays: Mapping[str, int]
     loops: Mapping[str, int]
+    ended: str = ""
     notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> FloatArray:
@@ -70,6 +71,7 @@ class CosimulationResult:
                     f"  loop {text}: {extra} samples beyond a zero-order hold"
                     for text, extra in self.loops.items()
                 ),
+                *([f"  {self.ended}"] if self.ended else []),
                 *(f"  {note}" for note in self.notes),
             ]
         )
@@ -85,8 +87,8 @@ class CosimulationResult:
         text = io.StringIO(newline="")
         writer = csv.writer(text)
         writer.writerow(["time", *self.signals])
-        columns = np.column_stack([self.time, *self.signals.values()])
-        writer.writerows(map(repr, row) for row in columns.tolist())
+        columns = [column.tolist() for column in (self.time, *self.signals.values())]
+        writer.writerows(map(repr, row) for row in zip(*columns, strict=True))
         try:
             write_atomically(Path(path), text.getvalue().encode())
         except OSError as error:

@@ -100,9 +100,14 @@ class FmuSystem:
         if duration is None:
             duration = self._lasting(dt)
         links = [*self.connections, *self._fed(inputs or {})]
-        found = cosimulate(
-            self.blocks, links, dt=dt, duration=duration, order=order, progress=progress
-        )
+        try:
+            found = cosimulate(
+                self.blocks, links, dt=dt, duration=duration, order=order, progress=progress
+            )
+        except FmuError as error:
+            if error.result is not None:
+                error.result = self._with_outputs(error.result)
+            raise
         return self._with_outputs(found)
 
     @property

@@ -97,7 +97,8 @@ def load_ssp(
         "tolerance": tolerance,
         "log": log,
         "max_unpacked_bytes": max_unpacked_bytes,
-        **({"isolated": True, "timeout": timeout} if isolated else {}),
+        "isolated": isolated,
+        "timeout": timeout,
     }
     with _opened(Path(path), sha256, max_unpacked_bytes) as (plan, files), ExitStack() as loaded:
         structure = plan.structure

@@ -19,7 +19,7 @@ _ON_GRID = 1e-9
 
 
 def over_time(
-    source: Source, target: str, time: FloatArray, *, steps: bool
+    source: Source, target: str, time: FloatArray, *, steps: bool, exact: bool = False
 ) -> tuple[FloatArray, str]:
     """Return the values of a source at communication points, and what the user should know of it.
 
@@ -35,6 +35,8 @@ def over_time(
         Equally spaced.
     steps : bool
         Whether the input changes in steps only, as discrete variables do.
+    exact : bool, optional
+        Whether integers stay as they are, in an array of objects, for an input of 64 bits.
 
     Returns
     -------
@@ -55,8 +57,10 @@ def over_time(
         name = f"source of {target}"
         return np.array([_called(source, name, t) for t in time.tolist()]), ""
     if isinstance(source, Sequence | np.ndarray) and not isinstance(source, str | bytes):
-        times, values = _table(source, target)
+        times, values = _table(source, target, exact=exact)
         return _between(times, values, time, steps), _beyond(times, time, target)
+    if exact and isinstance(source, int | np.integer):
+        return np.full(time.shape, int(source), object), ""
     return np.full(time.shape, finite(f"source of {target}", source)), ""
 
 
@@ -75,12 +79,15 @@ def _called(source: Callable[[float], Any], name: str, t: float) -> float:
     return finite(f"{name} at time {t:g}", source(t))
 
 
-def _table(source: Sequence[Any] | np.ndarray, target: str) -> tuple[FloatArray, FloatArray]:
+def _table(
+    source: Sequence[Any] | np.ndarray, target: str, *, exact: bool
+) -> tuple[FloatArray, FloatArray]:
     if len(source) != 2:
         raise FmuError(
             f"source of {target} has {len(source)} parts: expected a pair of arrays (times, values)"
         )
-    times, values = (_row(part, name, target) for part, name in zip(source, _PARTS, strict=True))
+    times = _row(source[0], "times", target)
+    values = _row(source[1], "values", target, exact=exact)
     if times.shape != values.shape or not times.size:
         raise FmuError(
             f"source of {target}: {times.size} times and {values.size} values; expected as many "
@@ -95,13 +102,12 @@ def _table(source: Sequence[Any] | np.ndarray, target: str) -> tuple[FloatArray,
     return times, values
 
 
-_PARTS = ("times", "values")
-
-
-def _row(part: Any, name: str, target: str) -> FloatArray:
+def _row(part: Any, name: str, target: str, *, exact: bool = False) -> FloatArray:
     found = np.asarray(part)
     if found.ndim != 1 or found.dtype.kind not in "biuf":
         raise TypeError(f"{name} of the source of {target}: expected a row of numbers")
+    if exact and found.dtype.kind in "biu":
+        return found.astype(object)
     row = found.astype(float)
     if not np.isfinite(row).all():
         at = int(np.argmin(np.isfinite(row)))

@@ -12,7 +12,8 @@ from ....shaping import Trajectory
 from ....shaping.derivatives import derivative_name
 from ....shaping.pieces import FloatArray
 from ...sampled import zero_order_hold
-from ..importing.description import FmuDescription, FmuError, FmuUnit
+from ..importing.description import FmuDescription, FmuError, FmuTerminated, FmuUnit
+from ..importing.ports import WIDE
 from ..importing.stepping import Fmu
 from .conversion import unit_of
 
@@ -25,7 +26,9 @@ class Participant(Protocol):
     `held` are the inputs where nothing is connected, nan where something must be; `through`
     (outputs, inputs) is True where an output of a step passes an input on within no time; `steps`
     is True for inputs that change in steps only; `recorded` are outputs that only are looked at,
-    which may be infinite; `units` are those of the signals that have one.
+    which may be infinite; `units` are those of the signals that have one; `wide` the types of
+    those that are integers of 64 bits. `ended` says when and why the block has ended the
+    simulation, if it has.
     """
 
     inputs: tuple[str, ...]
@@ -35,6 +38,8 @@ class Participant(Protocol):
     steps: tuple[bool, ...]
     recorded: frozenset[str]
     units: Mapping[str, FmuUnit]
+    wide: Mapping[str, Any]
+    ended: str
 
     def start(self) -> FloatArray:
         """Return the outputs before the first step."""
@@ -48,7 +53,7 @@ def participant(name: str, block: Any, dt: float, time: FloatArray) -> Participa
     import control
 
     if isinstance(block, Fmu):
-        return _FmuBlock(block, dt)
+        return _FmuBlock(name, block, dt)
     if isinstance(block, Trajectory):
         return _Source(block, time)
     linear = control.StateSpace | control.TransferFunction
@@ -95,7 +100,7 @@ def units_of(
 
 
 class _FmuBlock:
-    def __init__(self, fmu: Fmu, dt: float) -> None:
+    def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
@@ -108,6 +113,10 @@ class _FmuBlock:
         self.steps = tuple(label in stepped for label in self.inputs)
         self.recorded = frozenset(fmu.recorded_names)
         self.units: Mapping[str, FmuUnit] = units_of(fmu.description, fmu.units)
+        kinds = {n: fmu.description.variable(n).type for n in (*self.inputs, *self.outputs)}
+        self.wide: Mapping[str, Any] = {n: WIDE[k] for n, k in kinds.items() if k in WIDE}
+        self.ended = ""
+        self._name = name
         self._fmu = fmu
         self._dt = dt
 
@@ -115,7 +124,14 @@ class _FmuBlock:
         return self._fmu.outputs
 
     def step(self, inputs: FloatArray) -> FloatArray:
-        return self._fmu.step(inputs, self._dt)
+        before = self._fmu.time
+        try:
+            return self._fmu.step(inputs, self._dt)
+        except FmuTerminated as end:
+            self.ended = f"{self._name} ended the simulation at time {end.time:.12g}"
+            if not end.reached or end.time == before:
+                raise
+            return end.outputs
 
 
 class _Linear:
@@ -146,6 +162,8 @@ class _Linear:
         self.steps = (False,) * len(self.inputs)
         self.recorded: frozenset[str] = frozenset()
         self.units: Mapping[str, FmuUnit] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
         self._before = held.C * late[:, None]
@@ -174,6 +192,8 @@ class _Source:
         self.steps: tuple[bool, ...] = ()
         self.recorded: frozenset[str] = frozenset()
         self.units: Mapping[str, FmuUnit] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,10 @@ def connect(
     """Return the wiring of blocks; FmuError for unknown names, algebraic loops, loose inputs."""
     outputs = [f"{name}.{signal}" for name, block in blocks.items() for signal in block.outputs]
     inputs = [f"{name}.{signal}" for name, block in blocks.items() for signal in block.inputs]
-    given = {name: np.tile(block.held, (len(time), 1)) for name, block in blocks.items()}
+    given: dict[str, Any] = {
+        name: np.tile(np.asarray(block.held, _dtype(block)), (len(time), 1))
+        for name, block in blocks.items()
+    }
     weights = {name: np.zeros((len(b.inputs), len(outputs))) for name, b in blocks.items()}
     links, notes = [], []
     touched: set[str] = set()
@@ -53,9 +57,12 @@ def connect(
         row = blocks[name].inputs.index(signal)
         if target not in touched:
             touched.add(target)
-            given[name][:, row] = 0.0
+            given[name][:, row] = 0
         if not isinstance(source, str):
-            values, note = over_time(source, target, time, steps=blocks[name].steps[row])
+            part = blocks[name]
+            values, note = over_time(
+                source, target, time, steps=part.steps[row], exact=signal in part.wide
+            )
             given[name][:, row] += values
             notes.append(note)
             continue
@@ -70,6 +77,11 @@ def connect(
     _check_loose(blocks, given)
     _check_algebraic(blocks, outputs, weights)
     return Wiring(given, weights, tuple(links), tuple(filter(None, notes)))
+
+
+def _dtype(block: Participant) -> type:
+    """Return what holds the inputs of a block: integers of 64 bits are objects."""
+    return object if any(name in block.wide for name in block.inputs) else float
 
 
 def loops(links: Iterable[tuple[str, str]], order: Sequence[str]) -> list[tuple[str, ...]]:

@@ -6,7 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from ....shaping.pieces import FloatArray
+    from ..cosimulation.cosimulation_result import CosimulationResult
 
 CO_SIMULATION = "co-simulation"
 
@@ -15,7 +19,33 @@ _LINES_IN_TEXT = 60
 
 
 class FmuError(ValueError):
-    """An FMU that cannot be used as asked: what is wrong with it, and what to do about it."""
+    """An FMU that cannot be used as asked: what is wrong with it, and what to do about it.
+
+    Attributes
+    ----------
+    result : CosimulationResult or None
+        Where a run of `cosimulate` broke off at step k: its rows 0 … k.
+    """
+
+    result: CosimulationResult | None = None
+
+
+class FmuTerminated(FmuError):
+    """An FMU that ended the simulation by itself, as FMI allows.
+
+    Attributes
+    ----------
+    time : float
+        The last time that it reached.
+    outputs : (number of outputs,) array
+        What it shows there.
+    reached : bool
+        Whether that is the end of the step.
+    """
+
+    time: float
+    outputs: FloatArray
+    reached: bool
 
 
 @dataclass(frozen=True)

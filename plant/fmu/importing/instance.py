@@ -50,7 +50,8 @@ class Instance:
     handle : c_void_p
         What the FMU's instantiation returned.
     do_step : callable
-        Of time and length of the step.
+        Of time and length of the step, and whether no state before it will be gone back to
+        (FMI's noSetFMUStatePriorToCurrentPoint). Returns status and the time that was reached.
     enter_initialization : callable
         Of start time, stop time or None, tolerance or None.
     state_word : str
@@ -61,12 +62,17 @@ class Instance:
         What must live as long as the instance, such as its callbacks.
     """
 
+    ending = ""
+    """How its process ended, where it has one of its own."""
+    took_inputs = True
+    """Whether it had its inputs before the last step, where they are sent with it."""
+
     def __init__(
         self,
         functions: Functions,
         handle: c_void_p,
         *,
-        do_step: Callable[[float, float], int],
+        do_step: Callable[[float, float, bool], tuple[int, float]],
         enter_initialization: Callable[[float, float | None, float | None], int],
         state_word: str,
         sized: bool,
@@ -78,6 +84,7 @@ class Instance:
         self._handle = handle
         self._state_word = state_word
         self._sized = sized
+        self._boolean = ctypes.c_bool if sized else ctypes.c_int
         self._kept = kept
         for name in ("ExitInitializationMode", "Terminate", "Reset"):
             functions(name, c_void_p)
@@ -99,10 +106,25 @@ class Instance:
         """Free the instance: no call may follow."""
         self._free(self._handle)
 
+    def log_categories(self, names: Sequence[str]) -> int:
+        """Have events of these categories logged; of all where none is named."""
+        function = self._call("SetDebugLogging", c_void_p, self._boolean, c_size_t, ARRAY)
+        texts = (c_char_p * len(names))(*(name.encode() for name in names))
+        status: int = function(self._handle, True, len(names), texts if names else None)
+        return status
+
     def plain(self, name: str) -> int:
         """Call a function that takes nothing but the instance."""
         status: int = self._call(name, c_void_p)(self._handle)
         return status
+
+    def input_setter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
+        """Return a `setter` for inputs: errors may show in the step that follows."""
+        return self.setter(kind, references, values)
+
+    def output_getter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
+        """Return a `getter` for what is asked for after each step."""
+        return self.getter(kind, references, values)
 
     def setter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
         """Return a call without arguments that sets variables to what is in an array then."""

@@ -8,19 +8,27 @@ import shutil
 import sys
 from collections import deque
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .description import FmuDescription, FmuError
 from .instance import Instance
 
+if TYPE_CHECKING:
+    from .isolation import Process, RemoteInstance
+
 WARNING = 1
 """The highest status with which a call has done what it was asked for."""
+DISCARD = 2
+ERROR = 3
 FATAL = 4
 TERMINATED = 100
 """Ours, not FMI's: the FMU asks for the end of the simulation."""
+GONE = 101
+"""Ours: the process of an isolated FMU has ended."""
 
 STATUS = {
-    2: "discarded the call",
-    3: "reported an error",
+    DISCARD: "discarded the call",
+    ERROR: "reported an error",
     FATAL: "reported a fatal error",
     5: "has not finished (it steps asynchronously, which is not supported)",
     TERMINATED: "asked for the end of the simulation",
@@ -74,12 +82,17 @@ class Log:
 
 
 class Session:
-    """An unpacked FMU, its library and its instance; `close` undoes all three, in any state."""
+    """An unpacked FMU, its library and its instance; `close` undoes all three, in any state.
 
-    def __init__(self, folder: Path) -> None:
+    `process` is the one that has library and instance of an isolated FMU.
+    """
+
+    def __init__(self, folder: Path, *, keeps_folder: bool = False) -> None:
         self.folder = folder
+        self.keeps_folder = keeps_folder
         self.library: ctypes.CDLL | None = None
-        self.instance: Instance | None = None
+        self.instance: Instance | RemoteInstance | None = None
+        self.process: Process | None = None
         self.stepping = False
         self.fatal = False
         self.states: set[int] = set()
@@ -91,8 +104,8 @@ class Session:
             if self.instance is not None and not self.fatal:
                 self.instance.free_state(pointer)
 
-    def close(self) -> None:
-        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+    def free_instance(self) -> None:
+        """Free the instance with its states, and end the process that it has of its own."""
         try:
             if self.instance is not None and not self.fatal:
                 for pointer in list(self.states):
@@ -102,11 +115,22 @@ class Session:
                 self.instance.free()
         finally:
             self.instance = None
+            self.stepping = False
             self.states.clear()
+            if self.process is not None:
+                self.process.close()
+            self.process = None
+
+    def close(self) -> None:
+        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+        try:
+            self.free_instance()
+        finally:
             if self.library is not None and not self.fatal:
-                _unload(self.library)
+                unload(self.library)
             self.library = None
-            shutil.rmtree(self.folder, ignore_errors=True)
+            if not self.keeps_folder:
+                shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def find_library(folder: Path, description: FmuDescription) -> Path:
@@ -147,7 +171,8 @@ def _folders(version: str) -> list[str]:
     return _FOLDERS_FMI2.get((system, machine), [f"{machine}-{system.lower()}"])
 
 
-def _unload(library: ctypes.CDLL) -> None:
+def unload(library: ctypes.CDLL) -> None:
+    """Unload a library; its finalisers run."""
     import _ctypes
 
     if sys.platform == "win32":

@@ -6,11 +6,14 @@ import math
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ....shaping.checks import finite, positive
 from .description import CO_SIMULATION, FmuDescription, FmuError
+from .instance import Instance
+from .isolation import RemoteInstance, isolate
 from .library import Log, Session, find_library, load_library
 from .reading import describe
 from .stepping import Experiment, Fmu, binding_of
@@ -32,6 +35,8 @@ def load_fmu(
     log: bool = False,
     record: Sequence[str] = (),
     max_unpacked_bytes: int | None = None,
+    isolated: bool = False,
+    timeout: float | None = None,
 ) -> Fmu:
     """Return a co-simulation FMU, unpacked, loaded and initialised, ready to step.
 
@@ -69,6 +74,13 @@ def load_fmu(
         aliases, but only numbers. What is an input or an output anyway is not shown twice.
     max_unpacked_bytes : int, optional
         To how many bytes the file may unpack, if it is more than `inspect_fmu` takes.
+    isolated : bool, optional
+        Whether the FMU runs in a process of its own: if it crashes or ends its process, that is
+        an FmuError here, and what it prints goes to standard error. A step then takes some tens
+        of microseconds more. The process may do all that this one may: no protection from malice.
+    timeout : float, optional
+        Seconds that a call of an isolated FMU may take, each step and its instantiation; then it
+        is stopped, with an FmuError. Default: no limit.
 
     Returns
     -------
@@ -101,6 +113,13 @@ def load_fmu(
     """
     if isinstance(record, str):
         raise TypeError(f"record = {record!r}: expected a list of names, as in [{record!r}]")
+    if timeout is not None:
+        timeout = positive("timeout", timeout)
+        if not isolated:
+            raise FmuError(
+                f"timeout = {timeout!r}: only an FMU in a process of its own can be stopped; give "
+                "isolated=True, too"
+            )
     with open_fmu(Path(path), max_unpacked_bytes) as (archive, digest):
         check_digest(path, digest, sha256)
         description = describe(archive, digest)
@@ -109,7 +128,9 @@ def load_fmu(
         session = Session(Path(tempfile.mkdtemp(prefix="jounce_fmu_")))
         try:
             unpack(archive, session.folder)
-            fmu = _instantiate(session, description, experiment, record, log)
+            make = partial(_instance, description, log=log, isolated=isolated, timeout=timeout)
+            messages = Log(everything=log)
+            fmu = Fmu(session, make, description, messages, experiment, record)
             fmu.initialize(parameters or {})
             return fmu
         except BaseException:
@@ -117,22 +138,33 @@ def load_fmu(
             raise
 
 
-def _instantiate(
-    session: Session,
+def _instance(
     description: FmuDescription,
-    experiment: Experiment,
-    record: Sequence[str],
+    session: Session,
+    messages: Log,
+    *,
     log: bool,
-) -> Fmu:
-    messages = Log(everything=log)
+    isolated: bool,
+    timeout: float | None,
+) -> Instance | RemoteInstance:
+    """Return a new instance, which the session will close."""
+    resources = session.folder / "resources"
     try:
-        session.library = load_library(find_library(session.folder, description))
-        session.instance = binding_of(description).instantiate(
-            session.library, description, session.folder / "resources", messages, logging_on=log
+        library = find_library(session.folder, description)
+        if isolated:
+            session.process, session.instance = isolate(
+                library, description, resources, messages, timeout=timeout, logging_on=log
+            )
+            return session.instance
+        if session.library is None:
+            session.library = load_library(library)
+        instance: Instance = binding_of(description).instantiate(
+            session.library, description, resources, messages, logging_on=log
         )
     except FmuError as error:
         raise FmuError(f"{error}{description.tool_hint}") from None
-    return Fmu(session, session.instance, description, messages, experiment, record)
+    session.instance = instance
+    return instance
 
 
 def _experiment(

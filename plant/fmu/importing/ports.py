@@ -13,6 +13,9 @@ from .description import FmuError, Signal, candidates
 from .library import WARNING
 from .values import check_whole, flat_values, item_value
 
+WIDE = {"Int64": np.int64, "UInt64": np.uint64}
+"""Types of variables whose values a double does not always hold."""
+
 Mover = Callable[[str, Sequence[int], Any], Callable[[], int]]
 
 

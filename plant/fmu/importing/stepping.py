@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from types import TracebackType
@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
 from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuVariable
+from .description import FmuDescription, FmuError, FmuTerminated, FmuVariable
 from .instance import Instance
-from .library import FATAL, STATUS, WARNING, Log, Session
+from .library import DISCARD, FATAL, GONE, STATUS, TERMINATED, WARNING, Log, Session
 from .ports import Port, shown
 from .settings import recorded_signals, start_settings
 from .values import flat_values, one_value, own_shape, read, start_values, write
@@ -25,7 +25,10 @@ from .values import flat_values, one_value, own_shape, read, start_values, write
 if TYPE_CHECKING:
     import control
 
+    from .isolation import RemoteInstance
+
 _STEP_TOLERANCE = 1e-9
+_REACHED = 1e-6  # of a step: what may be missing of one that was finished
 _DOUBLE = np.dtype(float)
 
 
@@ -82,7 +85,7 @@ class Fmu:
     def __init__(
         self,
         session: Session,
-        instance: Instance,
+        instantiate: Callable[[Session, Log], Instance | RemoteInstance],
         description: FmuDescription,
         log: Log,
         experiment: Experiment,
@@ -91,7 +94,7 @@ class Fmu:
         self.description = description
         self.dt = experiment.dt
         self._session = session
-        self._instance = instance
+        self._instantiate = instantiate
         self._log = log
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
@@ -102,28 +105,35 @@ class Fmu:
         given = [signal for v in numeric if v.causality == "output" for signal in v.signals]
         known = {signal.label for signal in [*taken, *given]}
         beside = recorded_signals(description, record, self._dtypes, known)
-        self._inputs = Port(taken, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port([*given, *beside], self._dtypes, instance.getter, writes=False)
+        self._ports = taken, [*given, *beside]
+        self._attach()
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
         self.recorded_names = tuple(signal.label for signal in beside)
         self.units = {label: v.unit for label, v, _ in [*taken, *given, *beside]}
         starts = [value for variable in inputs for value in start_values(variable)]
         self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
+        self._refusal: FmuError | None = None
+        self._doubt = ""
+        self._at_start = False
         self._experiment = experiment
         self._time = experiment.start_time
         self._clock = (self._time, 0, 0.0)
-        self._bind()
         self._finalizer = weakref.finalize(self, session.close)
 
-    def _bind(self) -> None:
-        """Keep at hand what every step needs."""
+    def _attach(self) -> None:
+        """Make a new instance, and keep at hand what every step needs."""
+        self._instance = instance = self._instantiate(self._session, self._log)
+        inputs, outputs = self._ports
+        self._inputs = Port(inputs, self._dtypes, instance.input_setter, writes=True)
+        self._outputs = Port(outputs, self._dtypes, instance.output_getter, writes=False)
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
         exact = self._found.dtype == object
         self._show = partial(shown, self._found) if exact else self._found.copy
         self._put, self._fetch = self._inputs.move, self._outputs.move
         self._do_step = self._instance.do_step
+        self._states = self._session.states
 
     def __enter__(self) -> Self:
         return self
@@ -157,7 +167,7 @@ class Fmu:
     @property
     def outputs(self) -> FloatArray:
         """Outputs at the present communication point, (number of outputs,)."""
-        self._check_open()
+        self._check_ready(reading=True)
         self._check(self._fetch(), "show its outputs")
         return shown(self._found)
 
@@ -206,10 +216,14 @@ class Fmu:
         FmuError
             For unknown names or another number of values, a step of another length than the FMU
             can take, or an error that the FMU reports, with what it logged. The inputs are
-            then as they were before.
+            then as they were before. After an error of the FMU itself it is to be reset.
+        FmuTerminated
+            An FmuError: where the FMU ends the simulation, in this step or before.
         TypeError
             For an input that is no number.
         """
+        if self._refusal is not None:
+            self._check_ready()
         length = self._length(dt)
         before = self._values.copy()
         try:
@@ -218,20 +232,27 @@ class Fmu:
             base, count, last = self._clock
             if length != last:
                 base, count = self._time, 0
-            status = self._do_step(self._time, length)
-            if status > WARNING:
-                self._fail(status, f"step from time {self._time!r} by {length!r}")
-        except BaseException:
+            status, reached = self._do_step(self._time, length, not self._states)
+            if status > WARNING and status != TERMINATED:
+                if not self._instance.took_inputs:
+                    self._refused_inputs(status)
+                self._fail(status, f"step from time {self._time!r} by {length!r}", stopped=True)
+        except BaseException as error:
             self._values[:] = before
-            if inputs is not None and self._finalizer.alive:
+            if not isinstance(error, Exception):
+                self._stop(f"after a step that was interrupted at time {self._time:g}")
+            elif inputs is not None and self._refusal is None:
                 self._put()
             raise
+        self._at_start = False
+        if status == TERMINATED:
+            self._end(reached, self._time + length, length)
         count += 1
         self._clock = (base, count, length)
         self._time = base + count * length
         status = self._fetch()
         if status > WARNING:
-            self._fail(status, "show its outputs")
+            self._fail(status, "show its outputs", stopped=True)
         return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
@@ -248,7 +269,10 @@ class Fmu:
             self._inputs.take(inputs)
         status = self._put()
         if status > WARNING:
-            self._fail(status, f"take the inputs {self._values.tolist()}")
+            self._refused_inputs(status)
+
+    def _refused_inputs(self, status: int) -> NoReturn:
+        self._fail(status, f"take the inputs {self._values.tolist()}", stopped=False)
 
     def reset(self, parameters: Mapping[str, Any] | None = None) -> None:
         """Go back to the start time, with the start values and the parameters of `load_fmu`.
@@ -257,12 +281,22 @@ class Fmu:
         """
         self._check_open()
         self._session.stepping = False
-        self._check(self._instance.reset(), "be reset")
+        ended = self._terminated and not self._states
+        self._stop("before it is initialised again")
+        if ended:  # some FMUs forget to reset that they have ended
+            self._session.free_instance()
+            self._attach()
+        else:
+            self._check(self._instance.reset(), "be reset")
         self.initialize(self._given if parameters is None else parameters)
 
     def get_state(self) -> FmuState:
-        """Return a snapshot of all that the FMU is, to go back to with `set_state`."""
-        self._check_open()
+        """Return a snapshot of all that the FMU is, to go back to with `set_state`.
+
+        As long as it is alive, the FMU is told in each step that it may have to go back; without
+        any, that it will not, so that it may keep less and give out results once and for all.
+        """
+        self._check_ready()
         self.check_rollback("take snapshots")
         status, pointer = self._instance.get_state()
         self._check(status, "give its state")
@@ -279,6 +313,8 @@ class Fmu:
         base, count, length = self._clock = state._clock
         self._time = base + count * length
         self._values[:] = state._inputs
+        self._refusal, self._doubt, self._at_start = None, "", False
+        self._session.stepping = True
 
     def check_rollback(self, purpose: str) -> None:
         """Refuse `purpose` where the FMU cannot get and set its state."""
@@ -296,7 +332,7 @@ class Fmu:
         "A[1,2]", counted from 1; bytes for a binary; an int for an enumeration, whose
         `FmuVariable.items` name it.
         """
-        self._check_open()
+        self._check_ready(reading=True)
         variable, place = self.description.element(name)
         values = self._read(variable)
         if place is None:
@@ -310,7 +346,7 @@ class Fmu:
         enumeration as a number or an item's name. Fixed parameters are given to `load_fmu` or
         `reset`, inputs that are numbers to `step`.
         """
-        self._check_open()
+        self._check_ready()
         variable, place = self.description.element(name)
         entered = variable.causality == "input"
         if entered and variable.type in self._dtypes:
@@ -322,6 +358,7 @@ class Fmu:
                 f"{variable.variability}): give it to load_fmu or reset"
                 + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
             )
+        self._at_start = False
         if place is None:
             values = flat_values(variable, value)
         else:
@@ -337,13 +374,13 @@ class Fmu:
 
     def close(self) -> None:
         """Free the instance, unload its library, remove the temporary folder."""
-        self._finalizer()
-        self._put = self._fetch = self._closed
-        self._do_step = self._closed
+        if self._finalizer.alive:
+            self._finalizer()
+            self._refusal = FmuError(f"{self.description.model_name} is closed: load it again")
 
     def directional(self, unknowns: list[FmuVariable], knowns: list[FmuVariable]) -> FloatArray:
         """Return ∂unknown/∂known at the present point, (number of unknowns, of knowns)."""
-        self._check_open()
+        self._check_ready()
         columns = []
         for i in range(len(knowns)):
             seed = np.zeros(len(knowns))
@@ -370,6 +407,7 @@ class Fmu:
         self._check(status, what)
         self._check(self._instance.exit_initialization(), what)
         self._session.stepping = True
+        self._refusal, self._doubt, self._at_start = None, "", True
         self._time, self._clock = start, (start, 0, 0.0)
 
     def _read(self, variable: FmuVariable) -> list[Any]:
@@ -406,25 +444,68 @@ class Fmu:
 
     def _check_open(self) -> None:
         if not self._finalizer.alive:
-            self._closed()
+            self._check_ready()
 
-    def _closed(self, *_: object) -> NoReturn:
-        raise FmuError(f"{self.description.model_name} is closed: load it again")
+    def _check_ready(self, *, reading: bool = False) -> None:
+        """Refuse calls that FMI does not allow now; after the end an FMU may still be read."""
+        if self._refusal is not None and not (reading and self._terminated):
+            raise self._refusal.with_traceback(None)
+
+    @property
+    def _terminated(self) -> bool:
+        return self._finalizer.alive and isinstance(self._refusal, FmuTerminated)
 
     def _check(self, status: int, what: str) -> None:
         if status > WARNING:
-            self._fail(status, what)
+            self._fail(status, what, stopped=status != DISCARD)
 
-    def _fail(self, status: int, what: str) -> NoReturn:
-        """Raise what the FMU reported; after a fatal error it must not be called any more."""
-        if status == FATAL:
-            self._session.fatal = True
-            self.close()
-        self._session.stepping = False
-        raise FmuError(
-            f"{self.description.model_name} could not {what}: it "
-            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}"
+    def _fail(self, status: int, what: str, *, stopped: bool) -> NoReturn:
+        """Raise what the FMU reported, and refuse what FMI does not allow after it."""
+        name = self.description.model_name
+        if status == GONE:
+            raise self._lost(f"{name} {self._instance.ending} when it was to {what}")
+        message = (
+            f"{name} could not {what}: it "
+            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}{self._doubt}"
         )
+        self._doubt = f"; this came after an error at time {self._time:g}: call reset() first"
+        if status == FATAL:
+            raise self._lost(message)
+        if stopped:
+            self._session.stepping = False
+            self._stop(f"after the error at time {self._time:g}")
+        raise FmuError(message)
+
+    def _lost(self, message: str) -> FmuError:
+        """Close an FMU that must not be called any more, and return the error that says so."""
+        self._session.fatal = True
+        self.close()
+        self._refusal = FmuError(
+            f"{self.description.model_name} is closed ({message}): load it again"
+        )
+        return FmuError(f"{message}{self._log.told()}: load it again")
+
+    def _stop(self, since: str) -> None:
+        back = self.description.capabilities.can_get_and_set_state
+        self._refusal = FmuError(
+            f"{self.description.model_name} takes no calls {since}: call reset() first"
+            + (", or set_state with an earlier snapshot" if back else "")
+        )
+
+    def _end(self, reached: float, until: float, length: float) -> NoReturn:
+        """Keep what an FMU shows that has ended the simulation, and raise FmuTerminated."""
+        whole = abs(until - reached) <= _REACHED * length
+        self._time = until if whole else reached
+        self._clock = (self._time, 0, length)
+        error = FmuTerminated(
+            f"{self.description.model_name} asked for the end of the simulation: at time "
+            f"{self._time!r}{self._log.told() if self._log.messages else ''}; call reset() to "
+            "begin again"
+        )
+        error.time, error.reached = self._time, whole
+        self._refusal = error
+        error.outputs = self.outputs
+        raise error
 
 
 def binding_of(description: FmuDescription) -> Any:

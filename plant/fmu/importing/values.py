@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isinf, isnan
 from numbers import Integral, Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .description import FmuError, FmuVariable, candidates
 from .instance import Instance
+
+if TYPE_CHECKING:
+    from .isolation import RemoteInstance
 
 _DOUBLES = ("Real", "Float64", "Float32")
 _TEXTS = {"String": str, "Binary": bytes}
@@ -109,7 +112,7 @@ def own_shape(variable: FmuVariable, values: list[Any], dtypes: Mapping[str, Any
 
 
 def read(
-    instance: Instance, variable: FmuVariable, dtypes: Mapping[str, Any]
+    instance: Instance | RemoteInstance, variable: FmuVariable, dtypes: Mapping[str, Any]
 ) -> tuple[int, list[Any]]:
     """Return FMI's status and the variable's values, row by row."""
     if not variable.size:
@@ -125,7 +128,10 @@ def read(
 
 
 def write(
-    instance: Instance, variable: FmuVariable, values: list[Any], dtypes: Mapping[str, Any]
+    instance: Instance | RemoteInstance,
+    variable: FmuVariable,
+    values: list[Any],
+    dtypes: Mapping[str, Any],
 ) -> int:
     """Set a variable to `flat_values`, and return FMI's status."""
     if not variable.size:
