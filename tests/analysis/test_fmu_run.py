@@ -3,6 +3,9 @@
 import csv
 import re
 import shutil
+import subprocess
+import sys
+import tempfile
 import zipfile
 from dataclasses import replace
 from functools import partial
@@ -234,6 +237,64 @@ def test_the_folder_of_an_ssp_runs_like_its_archive(run, whole, folder):
 )
 def test_a_wrong_setting_is_refused(refused, plant, text, words):
     assert words in refused(plant, "--set", text, "--duration", 1)
+
+
+# Runs that end early, and processes of their own
+
+
+def test_an_fmu_that_ends_the_run_leaves_its_rows(run, folder):
+    ending = Model("ending", states=1, step_size=DT,
+                   step="y[0] = ++x[0]; if (t > 0.3) { s->t += h; return 100; }")  # fmt: skip
+    status, out, errors = run(fmu(folder, ending, "3.0"), "--duration", 2, "--csv", "out.csv")
+    assert (status, errors) == (0, [])
+    assert "ending ended the simulation at time 0.5" in out
+    assert columns("out.csv")["ending.y"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+def test_an_error_on_the_way_leaves_the_rows_before_it(run, folder):
+    failing = Model("failing", states=1, step_size=DT,
+                    step='x[0] += 1; y[0] = x[0]; if (t > 0.3) return 3;')  # fmt: skip
+    path = fmu(folder, failing)
+    status, out, (line,) = run(path, "--duration", 2, "--csv", "out.csv", "--plot", "out.png")
+    assert (status, out) == (2, "")
+    assert "could not step from time 0.375" in line
+    assert line.endswith("wrote out.csv, out.png up to time 0.375")
+    assert columns("out.csv")["failing.y"].tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert "wrote" not in run(path, "--duration", 2)[2][0]
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [("abort();", "plant"), ("exit(3);", "plant"), ("for (;;) {}", "0.5")],
+    ids=["crash", "exit", "endless"],
+)
+def test_an_fmu_in_its_own_process_takes_nothing_with_it(run, folder, monkeypatch, step, words):
+    path = fmu(folder, Model("plant", step=f"if (t > 0.2) {step} y[0] = t + h;", step_size=DT))
+    (folder / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder / "temporary"))
+    own = partial(run.func, "fmu", "run")
+    status, out, (line,) = own(path, "--duration", 1, "--csv", "out.csv", "--timeout", "500 ms")
+    assert (status, out) == (2, "")
+    assert words in line
+    assert line.endswith("wrote out.csv up to time 0.25")
+    assert columns("out.csv")["plant.y"].tolist() == [0.0, 0.125, 0.25]
+    assert list((folder / "temporary").iterdir()) == []
+
+
+def test_what_an_isolated_fmu_prints_is_no_result(folder):
+    noisy = Model("noisy", step='write(1, "here I am", 9); y[0] = t + h;', step_size=DT)
+    code = "from jounce.analysis.command_line import main; main()"
+    command = [sys.executable, "-c", code, "fmu", "run", fmu(folder, noisy), "--duration", "0.25"]
+    found = subprocess.run(list(map(str, command)), capture_output=True, check=True, text=True)
+    assert "here I am" not in found.stdout
+    assert "here I am" in found.stderr
+    assert "noisy.y" in found.stdout
+
+
+def test_isolated_systems_give_the_same_numbers(run, whole):
+    own = partial(run.func, "fmu", "run")
+    options = (whole, "--set", "angle=180", "--record", "a.k")
+    assert own(*options) == run(*options)
 
 
 # Systems of FMUs
