@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .exporting.export import FmuExport, export_fmu
     from .exporting.loop_blocks import SampledController
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
-    from .importing.description import FmuDescription, FmuError, FmuVariable
+    from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
     from .importing.io_system import io_system
     from .importing.linearize import linearize_fmu
     from .importing.load import load_fmu
@@ -29,6 +29,7 @@ _LATER = {
     "FmuError": "importing.description",
     "FmuExport": "exporting.export",
     "FmuState": "importing.stepping",
+    "FmuTerminated": "importing.description",
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "cosimulate": "cosimulation.cosimulate",
@@ -47,6 +48,7 @@ __all__ = [
     "FmuError",
     "FmuExport",
     "FmuState",
+    "FmuTerminated",
     "FmuVariable",
     "SampledController",
     "SspExport",

@@ -278,3 +278,31 @@ def test_the_help_loads_no_simulation():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
     assert found.stdout.strip() == "[]"
+
+
+def handmade(folder, step, version="2.0", **changes):
+    from handmade_fmus import Model, fmu
+
+    return fmu(folder, Model("block", step=step, step_size=0.5, **changes), version)
+
+
+@needs_compiler
+def test_run_of_an_fmu_that_ends_the_simulation(run, folder):
+    path = handmade(folder, "if (t >= 2) return 100; y[0] = t + h;", "3.0")
+    status, out, errors = run("run", path, "--duration", 9, "--csv", "run.csv")
+    assert (status, errors) == (0, [])
+    assert "block ended the simulation at time 2.5" in out
+    rows = list(csv.DictReader(Path("run.csv").read_text(encoding="utf-8").splitlines()))
+    assert [float(row["time"]) for row in rows] == [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]
+
+
+@needs_compiler
+def test_run_that_an_error_breaks_off_leaves_its_rows(run, folder):
+    path = handmade(folder, "if (t >= 2) return 3; y[0] = t + h;")
+    status, out, errors = run("run", path, "--duration", 9, "--csv", "run.csv")
+    assert (status, out) == (2, "")
+    [line] = errors
+    assert "could not step from time 2.0 by 0.5" in line
+    assert "wrote run.csv up to time 2" in line
+    rows = list(csv.DictReader(Path("run.csv").read_text(encoding="utf-8").splitlines()))
+    assert [float(row["block.y"]) for row in rows] == [0.0, 0.5, 1.0, 1.5, 2.0]

@@ -14,7 +14,7 @@ from ....shaping.checks import finite, positive
 from .description import CO_SIMULATION, FmuDescription, FmuError
 from .instance import Instance
 from .isolation import RemoteInstance, isolate
-from .library import Log, Session, find_library, load_library
+from .library import Log, Session, find_library
 from .reading import describe
 from .stepping import Fmu, binding_of
 from .unpacking import open_fmu, unpack
@@ -146,15 +146,14 @@ def _instance(
 ) -> Instance | RemoteInstance:
     """Return a new instance, which the session will close."""
     library, resources = find_library(session.folder, description), session.folder / "resources"
-    if isolated:
+    alone = session.twin and description.capabilities.only_one_instance_per_process
+    if isolated or alone:
         session.process, session.instance = isolate(
             library, description, resources, log, timeout=timeout
         )
         return session.instance
-    if session.library is None:
-        session.library = load_library(library)
     instance: Instance = binding_of(description).instantiate(
-        session.library, description, resources, log
+        session.load(library), description, resources, log
     )
     session.instance = instance
     return instance
