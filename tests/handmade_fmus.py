@@ -19,8 +19,9 @@ PLATFORM = {"2.0": "linux64", "3.0": "x86_64-linux"}
 
 @dataclass(frozen=True)
 class Model:
-    """A block: C code that steps it, over u[], y[], p[], x[] (doubles), t and h.
+    """A block: C code that steps it, over u[], y[], p[], x[] (doubles), t, h and settled.
 
+    The last is noSetFMUStatePriorToCurrentPoint.
     It may return a status of FMI, or 100 for FMI 3.0's wish to end the simulation.
     """
 
@@ -241,7 +242,7 @@ static void defaults(State *s) {{
 static void show(State *s) {{
     double *u = s->u, *y = s->y, *p = s->p, *x = s->x; {model.outputs_code}
 }}
-static int advance(State *s, double h) {{
+static int advance(State *s, double h, int settled) {{
     double *u = s->u, *y = s->y, *p = s->p, *x = s->x, t = s->t; {model.step}
     s->t += h; show(s);
     return 0;
@@ -340,7 +341,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n) {
     for (int i = 0; i < NU; i++)
         if (!isfinite(S(c)->u[i])) return fail(c, "input is not finite");
     if (fabs(t - S(c)->t) > 1e-9 * (1 + fabs(t))) return fail(c, "wrong communication point");
-    return advance(S(c), h);
+    return advance(S(c), h, n);
 }
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *out) {
     if (!*out) *out = malloc(sizeof(State));
@@ -412,8 +413,9 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
     if (fabs(t - S(c)->t) > 1e-9 * (1 + fabs(t))) return fail(c, "wrong communication point");
     *events = *end = *early = 0;
     *last = t + h;
-    int status = advance(S(c), h);
+    int status = advance(S(c), h, n);
     *end = status == 100;
+    if (*end && S(c)->t > t) *last = S(c)->t;
     return status == 100 ? fmi3OK : status;
 }
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *out) {

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .exporting.export import FmuExport, export_fmu
     from .exporting.loop_blocks import SampledController
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
-    from .importing.description import FmuDescription, FmuError, FmuVariable
+    from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
     from .importing.io_system import io_system
     from .importing.linearize import linearize_fmu
     from .importing.load import load_fmu
@@ -32,6 +32,7 @@ _LATER = {
     "FmuExport": "exporting.export",
     "FmuState": "importing.stepping",
     "FmuSystem": "cosimulation.fmu_system",
+    "FmuTerminated": "importing.description",
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "cosimulate": "cosimulation.cosimulate",
@@ -52,6 +53,7 @@ __all__ = [
     "FmuExport",
     "FmuState",
     "FmuSystem",
+    "FmuTerminated",
     "FmuVariable",
     "SampledController",
     "SspExport",

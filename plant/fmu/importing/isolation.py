@@ -164,7 +164,7 @@ class RemoteInstance:
         self._waiting.clear()
         try:
             status, reached, found = self._ask(
-                "step", inputs, tuple(self._watched), time, length, no_way_back
+                "step", inputs, tuple(self._watched), float(time), float(length), bool(no_way_back)
             )
         except EndedError:
             return GONE, time

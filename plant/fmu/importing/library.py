@@ -9,6 +9,7 @@ import sys
 from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
+from uuid import uuid4
 
 from .description import FmuDescription, FmuError
 from .instance import Instance
@@ -84,12 +85,14 @@ class Log:
 class Session:
     """An unpacked FMU, its library and its instance; `close` undoes all three, in any state.
 
-    `process` is the one that has library and instance of an isolated FMU.
+    `process` is the one that has library and instance of an isolated FMU. The folder of a `twin`
+    is another session's; it has a copy of the library in it, with global variables of its own.
     """
 
-    def __init__(self, folder: Path, *, keeps_folder: bool = False) -> None:
+    def __init__(self, folder: Path, *, twin: bool = False) -> None:
         self.folder = folder
-        self.keeps_folder = keeps_folder
+        self.twin = twin
+        self.copy: Path | None = None
         self.library: ctypes.CDLL | None = None
         self.instance: Instance | RemoteInstance | None = None
         self.process: Process | None = None
@@ -103,6 +106,15 @@ class Session:
             self.states.discard(pointer)
             if self.instance is not None and not self.fatal:
                 self.instance.free_state(pointer)
+
+    def load(self, path: Path) -> ctypes.CDLL:
+        """Return the library, loaded once."""
+        if self.library is None:
+            if self.twin:
+                self.copy = path.with_name(f"{uuid4().hex}{path.suffix}")
+                shutil.copyfile(path, self.copy)
+            self.library = load_library(self.copy or path)
+        return self.library
 
     def free_instance(self) -> None:
         """Free the instance with its states, and end the process that it has of its own."""
@@ -129,8 +141,10 @@ class Session:
             if self.library is not None and not self.fatal:
                 unload(self.library)
             self.library = None
-            if not self.keeps_folder:
+            if not self.twin:
                 shutil.rmtree(self.folder, ignore_errors=True)
+            elif self.copy is not None:
+                self.copy.unlink(missing_ok=True)
 
 
 def find_library(folder: Path, description: FmuDescription) -> Path:

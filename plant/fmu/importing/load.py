@@ -14,7 +14,7 @@ from ....shaping.checks import finite, positive
 from .description import CO_SIMULATION, FmuDescription, FmuError
 from .instance import Instance
 from .isolation import RemoteInstance, isolate
-from .library import Log, Session, find_library, load_library
+from .library import Log, Session, find_library
 from .reading import describe
 from .stepping import Experiment, Fmu, binding_of
 from .unpacking import open_fmu, unpack
@@ -149,17 +149,16 @@ def _instance(
 ) -> Instance | RemoteInstance:
     """Return a new instance, which the session will close."""
     resources = session.folder / "resources"
+    alone = session.twin and description.capabilities.only_one_instance_per_process
     try:
         library = find_library(session.folder, description)
-        if isolated:
+        if isolated or alone:
             session.process, session.instance = isolate(
                 library, description, resources, messages, timeout=timeout, logging_on=log
             )
             return session.instance
-        if session.library is None:
-            session.library = load_library(library)
         instance: Instance = binding_of(description).instantiate(
-            session.library, description, resources, messages, logging_on=log
+            session.load(library), description, resources, messages, logging_on=log
         )
     except FmuError as error:
         raise FmuError(f"{error}{description.tool_hint}") from None

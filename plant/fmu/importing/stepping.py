@@ -284,11 +284,44 @@ class Fmu:
         ended = self._terminated and not self._states
         self._stop("before it is initialised again")
         if ended:  # some FMUs forget to reset that they have ended
-            self._session.free_instance()
-            self._attach()
+            self._renew()
         else:
             self._check(self._instance.reset(), "be reset")
         self.initialize(self._given if parameters is None else parameters)
+
+    def restart(self) -> None:
+        """Go back to the start by a new instance, as some FMUs reset themselves in part only."""
+        self._check_open()
+        self._renew()
+        self.initialize(self._given)
+
+    def twin(self) -> Fmu:
+        """Return another instance of the FMU, at its start, in memory of its own."""
+        self._check_open()
+        session = Session(self._session.folder, twin=True)
+        try:
+            made = Fmu(
+                session,
+                self._instantiate,
+                self.description,
+                Log(),
+                self._experiment,
+                self.recorded_names,
+            )
+            made.initialize(self._given)
+        except BaseException:
+            session.close()
+            raise
+        return made
+
+    @property
+    def at_start(self) -> bool:
+        """Whether nothing has been done to it since its initialisation."""
+        return self._at_start
+
+    def _renew(self) -> None:
+        self._session.free_instance()
+        self._attach()
 
     def get_state(self) -> FmuState:
         """Return a snapshot of all that the FMU is, to go back to with `set_state`.

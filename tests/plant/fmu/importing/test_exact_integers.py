@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from handmade_fmus import Model, fmu
 
-from jounce.plant.fmu import FmuError, load_fmu
+from jounce.plant.fmu import FmuError, cosimulate, load_fmu
 
 pytestmark = pytest.mark.usefixtures("nothing_left")
 
@@ -109,3 +109,42 @@ def test_a_parameter_out_of_range(block):
 def test_numbers_that_no_double_holds(block):
     with pytest.raises(FmuError, match="that a double can hold"):
         block.step({"a": 10**400})
+
+
+def test_a_cosimulation_carries_and_records_them_exactly(tmp_path):
+    path = fmu(tmp_path, WIDE, "3.0")
+    other = fmu(tmp_path, replace(WIDE, name="other"), "3.0")
+    with load_fmu(path, parameters={"n": LARGEST, "m": UNSIGNED}) as one, load_fmu(other) as two:
+        run = cosimulate(
+            {"one": one, "two": two},
+            [("one.back", "two.n"), ("one.too", "two.m"), ("one.b", "two.a"), (2.5, "one.a")],
+            dt=0.001,
+            duration=0.004,
+        )
+    assert run["one.back"].dtype == np.int64
+    assert run["two.m"].dtype == np.uint64
+    assert run["one.b"].dtype == float
+    for name in ("one.n", "one.back", "two.n"):
+        assert run[name].tolist() == [LARGEST] * 5, name
+    for name in ("one.m", "one.too", "two.m"):
+        assert run[name].tolist() == [UNSIGNED] * 5, name
+    assert run["two.back"].tolist()[1:] == [LARGEST] * 4
+    assert run["two.too"].tolist()[1:] == [UNSIGNED] * 4
+    assert run["two.a"].tolist() == [2.5] * 5
+    run.to_csv(tmp_path / "run.csv")
+    last = (tmp_path / "run.csv").read_text().splitlines()[-1]
+    assert f",{LARGEST}," in last
+    assert f",{UNSIGNED}," in last
+
+
+def test_whole_sums_and_signs_are_exact_in_a_cosimulation(tmp_path):
+    path = fmu(tmp_path, WIDE, "3.0")
+    other = fmu(tmp_path, replace(WIDE, name="other"), "3.0")
+    with load_fmu(path, parameters={"n": 2**62 + 1}) as one, load_fmu(other) as two:
+        run = cosimulate(
+            {"one": one, "two": two},
+            [("-one.back", "two.n"), (3, "two.n"), ("one.too", "two.m"), ("one.b", "two.a")],
+            dt=0.001,
+            duration=0.001,
+        )
+    assert run["two.n"].tolist()[0] == 3 - (2**62 + 1)
