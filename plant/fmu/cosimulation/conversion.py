@@ -8,6 +8,9 @@ from math import isfinite
 from ..exporting.units import unit_definition
 from ..importing.description import FmuUnit
 
+NO_UNIT = ("", "1", "-")
+"""Names with which files say that there is no unit."""
+
 _SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", " ": ".", "µ": "u", "μ": "u", "^": None})
 _NAMES = {"rpm": "rev/min", "r/min": "rev/min", "°": "deg"}
 
@@ -18,7 +21,7 @@ def unit_of(name: str, declared: Iterable[FmuUnit] = ()) -> FmuUnit:
     Parameters
     ----------
     name : str
-        Empty or "1" for no unit.
+        Empty, "1" or "-" for no unit.
     declared : iterable of FmuUnit, optional
         Definitions of the file that uses the name.
 
@@ -53,7 +56,7 @@ def conversion(given: FmuUnit, taken: FmuUnit) -> tuple[float, float] | None:
     >>> conversion(unit_of("mm"), unit_of("kg")) is None
     True
     """
-    if given.name == taken.name or not {given.name, taken.name}.isdisjoint(("", "1")):
+    if given.name == taken.name or not {given.name, taken.name}.isdisjoint(NO_UNIT):
         return 1.0, 0.0
     if not (_known(given) and _known(taken) and dict(given.base) == dict(taken.base)):
         return None

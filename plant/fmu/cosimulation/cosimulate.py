@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from time import monotonic
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -18,6 +16,7 @@ from ..importing.stepping import Fmu
 from .cosimulation_result import CosimulationResult
 from .mixing import mix
 from .participants import Participant, participant, start_time
+from .progress import progress_bar
 from .wiring import Connections, Wiring, connect, loops
 
 MAX_VALUES = 2**28
@@ -25,7 +24,6 @@ MAX_VALUES = 2**28
 
 _ON_GRID = 1e-9
 _CHUNKS = 200
-_PATIENCE_S = 1.0  # a run that is over sooner needs no progress bar
 
 
 def cosimulate(
@@ -133,7 +131,7 @@ def cosimulate(
         )
     wiring = connect(parts, connections, time)
     sources = frozenset(n for n, block in blocks.items() if isinstance(block, Trajectory))
-    with _bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
+    with progress_bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
         run, error = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
     delays, extra = _delays(wiring, method, sequence, sources)
     outputs = tuple(f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs)
@@ -318,31 +316,3 @@ def _order(order: str | Sequence[str], names: list[str]) -> tuple[str, list[str]
     if sorted(order) != sorted(names):
         raise FmuError(f"order = {list(order)}: expected each of {', '.join(names)} once")
     return "gauss-seidel", list(order)
-
-
-@contextmanager
-def _bar(wanted: bool | None) -> Iterator[Any]:
-    """Yield what shows the fraction of a run that is done."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    if wanted is False or (wanted is None and not console.is_terminal):
-        yield lambda fraction: None  # noqa: ARG005
-        return
-    bar = Progress(console=console, transient=console.is_terminal)
-    task = bar.add_task("co-simulation", total=1.0)
-    begun = monotonic()
-    shown = False
-
-    def advance(fraction: float) -> None:
-        nonlocal shown
-        if not shown and (wanted or monotonic() - begun > _PATIENCE_S):
-            bar.start()
-            shown = True
-        bar.update(task, completed=fraction)
-
-    try:
-        yield advance
-    finally:
-        bar.stop()

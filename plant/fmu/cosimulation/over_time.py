@@ -61,6 +61,11 @@ def over_time(
         return _between(times, values, time, steps), _beyond(times, time, target)
     if exact and isinstance(source, int | np.integer):
         return np.full(time.shape, int(source), object), ""
+    if np.ndim(source) or isinstance(source, str | bytes | None):
+        raise TypeError(
+            f"source of {target} is a {type(source).__name__}: expected 'block.output', a number, "
+            "a Trajectory, a function of time or a pair of arrays (times, values)"
+        )
     return np.full(time.shape, finite(f"source of {target}", source)), ""
 
 

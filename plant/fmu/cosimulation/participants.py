@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from inspect import signature
 from typing import Any, Protocol
 
@@ -15,7 +16,7 @@ from ...sampled import zero_order_hold
 from ..importing.description import FmuDescription, FmuError, FmuTerminated, FmuUnit
 from ..importing.ports import WIDE
 from ..importing.stepping import Fmu
-from .conversion import unit_of
+from .conversion import NO_UNIT, unit_of
 
 _SAME_DT = 1e-9
 
@@ -90,13 +91,19 @@ def start_time(blocks: Iterable[tuple[str, Any]]) -> float:
 
 
 def units_of(
-    description: FmuDescription, names: Mapping[str, str] | None = None
+    description: FmuDescription, labels: Iterable[str] | None = None
 ) -> dict[str, FmuUnit]:
-    """Return the units that names stand for in an FMU, by label; default: of all its variables."""
-    if names is None:
-        names = {label: v.unit for v in description.variables for label in v.labels}
-    known = {name: unit_of(name, description.units) for name in {*names.values()} - {"", "1"}}
-    return {label: known[name] for label, name in names.items() if name in known}
+    """Return the units of what has one in an FMU, by label; default: of all its variables."""
+    if labels is None:
+        labels = [label for variable in description.variables for label in variable.labels]
+    variables = {label: description.variable(label) for label in labels}
+    names = {variable.unit for variable in variables.values()}.difference(NO_UNIT)
+    known = {name: unit_of(name, description.units) for name in names}
+    return {
+        label: replace(known[v.unit], offset=0.0) if v.relative else known[v.unit]
+        for label, v in variables.items()
+        if v.unit in known
+    }
 
 
 class _FmuBlock:

@@ -73,6 +73,8 @@ class FmuVariable:
         Name of the variable whose derivative it is, or empty.
     items : tuple of (str, int)
         Name and value of each item of an enumeration.
+    relative : bool
+        Whether it is a difference, such as of temperatures, to which no offset of a unit applies.
     aliases : tuple of str
         Its other names in FMI 3.0; in FMI 2.0 they are variables of the same value reference.
     """
@@ -92,6 +94,7 @@ class FmuVariable:
     shape: tuple[int, ...] = ()
     derivative_of: str = ""
     items: tuple[tuple[str, int], ...] = ()
+    relative: bool = False
     aliases: tuple[str, ...] = ()
 
     @property

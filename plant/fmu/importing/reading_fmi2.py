@@ -90,6 +90,7 @@ def _variable(element: Element, types: dict[str, Element]) -> tuple[FmuVariable,
         max=said.number("max"),
         nominal=said.number("nominal"),
         unit=said.text("unit", ""),
+        relative=said.flag("relativeQuantity"),
         description=head.text("description", ""),
         items=enumeration_items(declared),
     )

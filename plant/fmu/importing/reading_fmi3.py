@@ -90,6 +90,7 @@ def _variable(
         max=typed.number("max"),
         nominal=typed.number("nominal"),
         unit=typed.text("unit", ""),
+        relative=typed.flag("relativeQuantity"),
         description=said.text("description", ""),
         shape=shape,
         derivative_of="" if of is None else _by_reference(of, names, f"{place}: derivative"),

@@ -24,6 +24,7 @@ from jounce.plant.fmu.importing.description import FmuUnit
         ("ms", "s", 1e-3),
         ("", "deg", 1.0),
         ("deg", "1", 1.0),
+        ("-", "deg", 1.0),
         ("widgets", "widgets", 1.0),
     ],
 )

@@ -61,6 +61,15 @@ def test_components_run_connected(tmp_path, version):
     assert run.order == ("a", "b")
 
 
+def test_one_fmu_may_be_several_components(tmp_path):
+    parts = [component(n, ENDS, source="resources/a.fmu") for n in ("first", "second.stage")]
+    top = system(parts, [connection("first.y", "second.stage.u")])
+    with load_ssp(ssp(tmp_path, top, {"a": adder("a")}, after=EXPERIMENT)) as whole:
+        assert list(whole.blocks) == ["first", "second/stage"]
+        run = whole.run(inputs={"first.u": 3.0})
+    np.testing.assert_array_equal(run["second/stage.y"][1:], [3.0] * 8)
+
+
 def test_either_end_may_be_the_start(tmp_path):
     with load_ssp(chain(tmp_path, connection("b.u", "a.y"))) as whole:
         assert whole.connections == (("a.y", "b.u"),)

@@ -77,7 +77,8 @@ def test_scaled_is_the_scaled_values(source):
         (([0.0, 1.0], [1.0, 2.0], [3.0, 4.0]), ["3 parts", "(times, values)"]),
         (lambda t: np.inf if t > 0.6 else 1.0, ["plant.u at time 0.75", "inf"]),
         (lambda t: "1", ["plant.u at time 0"]),  # noqa: ARG005
-        (None, ["plant.u"]),
+        (None, ["plant.u is a NoneType", "a function of time or a pair"]),
+        ({1.0, 2.0}, ["plant.u"]),
         (np.nan, ["plant.u"]),
     ],
     ids=str,

@@ -65,6 +65,30 @@ def test_an_offset_of_a_unit_is_added(adder):
     assert run.notes == ("a.y -> b.u: degC converted to K, ×1 + 273.15",)
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_differences_have_no_offset(tmp_path, version):
+    """A difference of 5 °C is one of 5 K, a temperature of 5 °C one of 278.15 K."""
+    kind = {"2.0": "Real", "3.0": "Float64"}[version]
+    base = '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
+    types = f'<{kind}Type name="d" relativeQuantity="true" unit="degC"/>'
+    if version == "2.0":
+        types = '<SimpleType name="d"><Real relativeQuantity="true" unit="degC"/></SimpleType>'
+    head = f"<UnitDefinitions>{base}</UnitDefinitions><TypeDefinitions>{types}</TypeDefinitions>"
+    for relative, expected in ((True, 5.0), (False, 278.15)):
+        said = ' declaredType="d"' if relative else ' unit="degC"'
+        old = 'valueReference="100" causality="output" variability="continuous"'
+        new = f"{old}><Real{said}" if version == "2.0" else f"{old}{said}"
+        old = f"{old}><Real" if version == "2.0" else old
+        marked = replace(ADDER, name="a", xml=(
+            ("<ModelVariables>", f"{head}<ModelVariables>"),
+            (old, new),
+        ))  # fmt: skip
+        kelvin = with_units(replace(ADDER, name="b"), {"u": "K"}, {"K": {"K": 1}})
+        with load_fmu(fmu(tmp_path, marked, version)) as a, load_fmu(fmu(tmp_path, kelvin)) as b:
+            run = cosimulate({"a": a, "b": b}, [(5.0, "a.u"), ("a.y", "b.u")], dt=DT, duration=DT)
+            assert run["b.u"][0] == pytest.approx(expected, rel=1e-15)
+
+
 def test_a_gain_takes_the_place_of_the_conversion(adder):
     blocks = {"a": adder("a", {"y": "m"}), "b": adder("b", {"u": "N"})}
     with pytest.raises(FmuError, match=r"'a\.y' is in m, 'b\.u' in N.*\('1\.0\*a\.y', 'b\.u'\)"):
