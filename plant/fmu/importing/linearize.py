@@ -167,7 +167,11 @@ def linearize_fmu(
 def _origin(fmu: Fmu, dt: float, horizon: int) -> Iterator[Origin]:
     """Yield the FMU's present point, with a way back on which it answers as it does without."""
     if answers_alike(fmu, dt, horizon):
-        yield Origin(fmu)
+        origin = Origin(fmu)
+        try:
+            yield origin
+        finally:
+            origin.back()
         return
     if not fmu.at_start:
         raise FmuError(

@@ -133,17 +133,14 @@ class Origin:
 def _run(origin: Origin, dt: float, j: int, weights: FloatArray) -> FloatArray:
     """Return half the difference of the outputs with input j raised and lowered by weights."""
     fmu, held, runs = origin.fmu, origin.inputs, []
-    try:
-        for sign in (1.0, -1.0):
-            origin.back()
-            outputs = np.empty((len(weights), len(fmu.output_names)))
-            inputs = held.copy()
-            for k, weight in enumerate((sign * weights).tolist()):
-                inputs[j] = held[j] + weight
-                outputs[k] = fmu.step(inputs, dt)
-            runs.append(outputs)
-    finally:
+    for sign in (1.0, -1.0):
         origin.back()
+        outputs = np.empty((len(weights), len(fmu.output_names)))
+        inputs = held.copy()
+        for k, weight in enumerate((sign * weights).tolist()):
+            inputs[j] = held[j] + weight
+            outputs[k] = fmu.step(inputs, dt)
+        runs.append(outputs)
     with np.errstate(over="ignore", invalid="ignore"):
         found: FloatArray = 0.5 * (runs[0] - runs[1])
     if not np.isfinite(found).all():

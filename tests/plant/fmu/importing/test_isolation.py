@@ -136,6 +136,7 @@ def test_an_interrupt_stops_it(tmp_path):
     program = f"""
 import signal, threading, os
 from jounce.plant.fmu import load_fmu, FmuError
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
 with load_fmu({str(path)!r}, isolated=True) as plant:
     threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     try:
@@ -147,7 +148,9 @@ with load_fmu({str(path)!r}, isolated=True) as plant:
         except FmuError as error:
             print(error)
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert "interrupted" in done.stdout
 
