@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,7 +93,7 @@ class Port:
             for place, value in found.items():
                 self.values[place] = value
             return
-        if isinstance(given, list | tuple) and len(given) == len(self.labels):
+        if _lists_numbers(given) and len(given) == len(self.labels):
             array = np.array([_number(*pair) for pair in zip(self.labels, given, strict=True)])
         elif isinstance(given, np.ndarray | np.bool_) and given.dtype == bool:
             array = given.astype(float)
@@ -115,6 +115,12 @@ class Port:
         if found is None:
             raise FmuError(f"no input {name!r}{candidates(name, self.labels)}")
         return found
+
+
+def _lists_numbers(given: Any) -> TypeGuard[Sequence[Any]]:
+    return isinstance(given, list | tuple) and not any(
+        isinstance(part, list | tuple | np.ndarray) for part in given
+    )
 
 
 def _number(name: str, value: Any) -> float:
