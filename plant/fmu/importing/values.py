@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....shaping.real_numbers import real_number
 from .description import FmuError, FmuVariable, candidates
 from .instance import Instance
 
@@ -155,7 +156,8 @@ def _refusal(variable: FmuVariable, value: Any) -> TypeError:
 
 
 def _double(variable: FmuVariable, value: Any) -> float:
-    number = float(value)
+    truth = isinstance(value, bool | np.bool_)
+    number = float(value) if truth else real_number(variable.name, value)
     narrow = variable.type == "Float32" and abs(number) > np.finfo(np.float32).max
     if isnan(number) or (narrow and not isinf(number)):
         raise FmuError(f"{variable.name} = {value!r}: expected a number of type {variable.type}")
@@ -163,10 +165,10 @@ def _double(variable: FmuVariable, value: Any) -> float:
 
 
 def _whole(variable: FmuVariable, value: Any) -> int:
-    if isinstance(value, Integral | np.bool_):
+    if isinstance(value, Integral | np.bool_) and not isinstance(value, np.timedelta64):
         number = int(value)
-    elif float(value).is_integer():
-        number = int(float(value))
+    elif real_number(variable.name, value).is_integer():
+        number = int(real_number(variable.name, value))
     else:
         raise FmuError(f"{variable.name} = {value!r}: expected {_wanted(variable)}")
     allowed = {0, 1} if variable.type == "Boolean" else {value for _, value in variable.items}
