@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest --numprocesses=auto
 
-.PHONY: survey test test-slow check format benchmark readme clean
+.PHONY: survey test test-slow test-sanitize check check-core wheel format benchmark readme clean
 
 survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
@@ -16,11 +16,38 @@ test: $(VENV)/.installed-dev
 test-slow: $(VENV)/.installed-dev
 	JOUNCE_TIER=slow $(PYTEST)
 
-check: $(VENV)/.installed-dev
+# Random problems in C under sanitizers; what fails is printed so that Python can try it.
+CC := $(or $(shell command -v gcc || command -v clang),$(BIN)/python -m ziglang cc)
+CORE := $(filter-out core/binding.c,$(wildcard core/*.c))
+STRICT := -std=c99 -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Werror
+test-sanitize: out/driver
+	out/driver
+
+out/driver: tests/core/driver.c $(CORE) $(wildcard core/*.h)
+	mkdir -p out
+	$(CC) $(STRICT) -Wpedantic -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
+		-Icore -o $@ tests/core/driver.c $(CORE)
+
+check: $(VENV)/.installed-dev check-core
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# ISO C has no word for the slots of Python's types, so that the binding is not pedantic.
+check-core: $(VENV)/.installed-dev
+	mkdir -p out
+	set -e; for file in $(CORE); do $(CC) $(STRICT) -Wpedantic -O2 -c $$file -o out/core.o; done
+	$(CC) $(STRICT) -O2 -DPy_LIMITED_API=0x030B0000 -c core/binding.c -o out/core.o \
+		-isystem $$($(BIN)/python -c "import sysconfig; print(sysconfig.get_path('include'))")
+	$(BIN)/cppcheck --quiet --std=c99 --enable=warning,performance,portability \
+		--error-exitcode=1 --inline-suppr $(CORE)
+
+# One wheel for all Pythons from 3.11 on, tried where there is no compiler.
+wheel: $(VENV)/.installed
+	rm -rf dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	$(BIN)/python building/try_wheel.py dist/jounce-*.whl
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix .
@@ -32,14 +59,14 @@ readme: $(VENV)/.installed-dev
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,peers]"
-	$(BIN)/python -m compileall -q shaping plant analysis # or imports are timed with their compilation
+	$(BIN)/python -m compileall -q core shaping plant analysis # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 
 # The stamp files keep a second run from installing again.
-$(VENV)/.installed: pyproject.toml
+$(VENV)/.installed: pyproject.toml $(wildcard core/*.c core/*.h)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	$(BIN)/python -m compileall -q shaping plant analysis # pip does this only for what it copies
+	$(BIN)/python -m compileall -q core shaping plant analysis # pip does this only for what it copies
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
