@@ -1,4 +1,4 @@
-"""Try a wheel in a clean environment in which no compiler is found. Usage: try_wheel.py WHEEL"""
+"""Try a wheel in a clean environment in which no compiler is found. Usage: try_wheel.py WHEEL."""
 
 from __future__ import annotations
 

@@ -800,8 +800,8 @@ static void solve_all(const Problems *p, double *durations, double *inside, sign
         int ok = status == JOUNCE_OK;
         statuses[i] = (signed char)status;
         counts[i] = (signed char)(ok ? motion.count : 0);
-        durations[i] = ok ? motion.duration : Py_HUGE_VAL - Py_HUGE_VAL;
-        inside[i] = ok ? motion.inside_after : Py_HUGE_VAL - Py_HUGE_VAL;
+        durations[i] = ok ? motion.duration : (double)NAN;
+        inside[i] = ok ? motion.inside_after : (double)NAN;
     }
 }
 
