@@ -4,7 +4,16 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest --numprocesses=auto
 
-.PHONY: survey test test-slow test-sanitize check check-core wheel format benchmark readme clean
+INSTALL := -m pip install --quiet --disable-pip-version-check --editable
+
+# What a release of a dependency can break: a part of the tests that calls all of them.
+BROAD := tests/test_packaging.py tests/shaping/test_public_names.py \
+	tests/shaping/optimal/test_linear_program.py tests/plant/test_linear_system.py \
+	tests/plant/fmu/cosimulation tests/analysis/gate tests/analysis/test_command_line.py \
+	tests/analysis/test_raw_output.py tests/analysis/test_units.py
+
+.PHONY: survey test test-slow test-sanitize test-lowest test-newest check check-core wheel format
+.PHONY: benchmark readme clean
 
 survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
@@ -28,11 +37,33 @@ out/driver: tests/core/driver.c $(CORE) $(wildcard core/*.h)
 	$(CC) $(STRICT) -Wpedantic -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
 		-Icore -o $@ tests/core/driver.c $(CORE)
 
-check: $(VENV)/.installed-dev check-core
+# Exactly the lowest releases that pyproject.toml admits, on the lowest Python; old releases warn
+# of what newer ones of others have changed.
+test-lowest:
+	python=$$($(PYTHON) .ci/pythons.py oldest) && \
+	if [ -z "$$python" ]; then echo "no Python as old as pyproject.toml admits: not tried"; else \
+	"$$python" -m venv --clear $(VENV)-lowest && \
+	$(PYTHON) .ci/lowest.py > $(VENV)-lowest/lowest.txt && \
+	$(VENV)-lowest/bin/python $(INSTALL) ".[dev]" --no-compile --constraint $(VENV)-lowest/lowest.txt && \
+	$(VENV)-lowest/bin/python -m pytest --numprocesses=auto -W ignore::DeprecationWarning $(BROAD); fi
+
+# The newest releases that there are, on the newest Python of this machine.
+test-newest:
+	python=$$($(PYTHON) .ci/pythons.py newest) && "$$python" -m venv --clear $(VENV)-newest
+	$(VENV)-newest/bin/python $(INSTALL) ".[dev]" --no-compile
+	$(VENV)-newest/bin/python -m pytest --numprocesses=auto $(BROAD)
+
+check: $(VENV)/.installed-dev .typing/jounce check-core
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	cd .typing && ../$(BIN)/lint-imports ../pyproject.toml
+
+# mypy sees the folders under the names that they are imported by; an sdist holds no links.
+.typing/jounce:
+	mkdir -p $@
+	ln -s ../../jounce/__init__.py ../../jounce/py.typed $@
+	ln -s $(filter-out ../../jounce,$(patsubst %/__init__.py,../../%,$(wildcard */__init__.py))) $@
 
 # ISO C has no word for the slots of Python's types, so that the binding is not pedantic.
 check-core: $(VENV)/.installed-dev
@@ -58,20 +89,20 @@ readme: $(VENV)/.installed-dev
 	$(BIN)/python docs/gallery.py
 
 benchmark: $(VENV)/.installed-dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,peers]"
-	$(BIN)/python -m compileall -q core shaping plant analysis # or imports are timed with their compilation
+	$(BIN)/python $(INSTALL) ".[benchmark,peers]"
+	$(BIN)/python -m compileall -q jounce core shaping plant analysis # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 
 # The stamp files keep a second run from installing again.
-$(VENV)/.installed: pyproject.toml $(wildcard core/*.c core/*.h)
+$(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	$(BIN)/python -m compileall -q core shaping plant analysis # pip does this only for what it copies
+	$(BIN)/python $(INSTALL) .
+	$(BIN)/python -m compileall -q jounce core shaping plant analysis # pip does this only for what it copies
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	$(BIN)/python $(INSTALL) ".[dev]"
 	touch $@
 
 clean:
-	rm -rf $(VENV) out build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) $(VENV)-lowest $(VENV)-newest out build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

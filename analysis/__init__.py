@@ -1,5 +1,8 @@
 """Margins and surveys of servo loops, scenario files, tables, pictures and the command line."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from .conformance import Conformance, conformance, read_log
 from .gate import CheckError, GateReport, check_scenario
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
@@ -29,6 +32,9 @@ from .shapers import (
     vibration_map,
 )
 from .survey import Survey, UnstableLoopError, survey
+
+if TYPE_CHECKING:
+    from . import plots
 
 __all__ = [
     "CascadedLags",
@@ -63,6 +69,7 @@ __all__ = [
     "null_rise_time",
     "periodic_response",
     "place_null",
+    "plots",
     "rate_limiter_corner_omega",
     "read_log",
     "residual_vibration",
@@ -71,3 +78,9 @@ __all__ = [
     "survey",
     "vibration_map",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name != "plots":  # imported when it is first asked for
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return import_module(".plots", __name__)

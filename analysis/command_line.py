@@ -5,24 +5,21 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from difflib import get_close_matches
-from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .check_command import CHECK_FAILED, OVERRIDES, check_command
 from .fmu_commands import fmu_app
 
 if TYPE_CHECKING:
     from ..shaping.moves import Method
-    from .gate import GateReport
     from .plan import Plan
 
 BAD_INPUT = 2
-CHECK_FAILED = 1
 
 app = typer.Typer(
     help="Command shaping with bounded derivatives, and surveys of servo loops.",
@@ -30,14 +27,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command("check")(check_command)
 app.add_typer(fmu_app, name="fmu")
-
-
-class CheckFormat(StrEnum):
-    """What `jounce check` prints."""
-
-    TABLE = "table"
-    GITHUB = "github"
 
 
 def main() -> None:
@@ -56,8 +47,24 @@ def main() -> None:
         _fail(error, BAD_INPUT)
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print_parts(f"jounce {version('jounce')}")
+        raise typer.Exit
+
+
 @app.callback()
-def _jounce() -> None:
+def _jounce(
+    *,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
     """Command shaping with bounded derivatives, and surveys of servo loops."""
 
 
@@ -67,71 +74,20 @@ def survey_command(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for survey.json, CSV and pictures.")
     ],
+    overrides: OVERRIDES = None,
 ) -> None:
     """Print a loop's margins, design check and moves; write them with pictures to a folder."""
     from .output import write_survey
+    from .overrides import read_overrides
     from .report import survey_tables
     from .survey import survey
 
-    found = survey(scenario)
+    found = survey(scenario, overrides=read_overrides(overrides or ()))
     files = write_survey(found, output)
-    print_parts(found.scenario.title, *survey_tables(found))
+    given = [f"with {text}" for text in found.scenario.overrides]
+    print_parts(found.scenario.title, *given, *survey_tables(found))
     print_parts(*found.findings)
     print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
-
-
-@app.command("check")
-def check_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
-    baseline: Annotated[
-        Path | None,
-        typer.Option(help="Stored numbers (JSON). Default: SCENARIO.baseline.json, if there."),
-    ] = None,
-    checks: Annotated[
-        Path | None,
-        typer.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
-    ] = None,
-    update: Annotated[
-        bool, typer.Option("--update", help="Store the numbers, if they keep the bounds.")
-    ] = False,
-    junit: Annotated[
-        Path | None, typer.Option(help="Write the outcome to this file, as JUnit XML.")
-    ] = None,
-    output: Annotated[
-        CheckFormat, typer.Option("--format", help="github: print annotations, too.")
-    ] = CheckFormat.TABLE,
-    everything: Annotated[
-        bool, typer.Option("--all", help="Show what stayed the same in a check that fails, too.")
-    ] = False,
-) -> None:
-    """Compare a loop's margins and moves with stored numbers and bounds; status 1 if worse.
-
-    An improvement beyond tolerance passes, with a note.
-
-    A number without a better side may change neither way: crossover, bandwidth,
-    rise and peak time of the step, peaks of a move.
-    """
-    from .gate import check_scenario
-    from .gate.formats import gate_table, github_error, github_lines, heading, shown_rows, summary
-
-    try:
-        report = check_scenario(scenario, baseline=baseline, checks=checks, update=update)
-        written = _write_check(report, scenario, baseline, checks, junit)
-    except (ValueError, OSError) as error:
-        _write_junit_error(error, scenario, baseline, checks, junit)
-        if output is CheckFormat.GITHUB:
-            print_parts(github_error(_message(error)))
-        raise
-    rows, left_out = shown_rows(report, everything=everything)
-    if rows:
-        print_parts(gate_table(rows, heading(report)))
-    if left_out:
-        print_parts(f"{left_out}\n")
-    if output is CheckFormat.GITHUB:
-        print_parts(*github_lines(report))
-    print_parts(summary(report), *(f"Wrote {path}" for path in written))
-    if not report.passed:
-        raise typer.Exit(CHECK_FAILED)
 
 
 # Without ignore_unknown_options a negative distance would pass for an option.
@@ -167,12 +123,15 @@ def plan_command(
     certify: Annotated[
         bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
     ] = False,
+    pieces: Annotated[
+        bool, typer.Option("--pieces", help="Print the switch table from order 4 on, too.")
+    ] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
     ] = None,
 ) -> None:
-    """Plan the fastest move between rests and print its switch table."""
+    """Plan the fastest move between rests: its duration, its peaks and what limits them."""
     from .plan import plan_move
     from .report import certificate_table, plan_tables
 
@@ -192,7 +151,7 @@ def plan_command(
 
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     _write_plan(plan, csv, plot)
-    print_parts(*plan_tables(plan), *proofs)
+    print_parts(*plan_tables(plan, pieces=pieces), *proofs)
     for path in (csv, plot):
         if path is not None:
             print_parts(f"Wrote {path}")
@@ -222,56 +181,6 @@ def _limit(text: str) -> tuple[int, str]:
     return derivative_key(name), quantity
 
 
-def _write_check(
-    report: GateReport,
-    scenario: Path,
-    baseline: Path | None,
-    checks: Path | None,
-    junit: Path | None,
-) -> list[Path]:
-    """Write the baseline, where it is to be updated, and the JUnit file; return what was."""
-    from .gate.check import baseline_beside
-    from .gate.formats import junit_text
-    from .output import write_files
-
-    baseline = baseline or baseline_beside(scenario)
-    writers: dict[Path, Callable[[Path], object]] = {}
-    if report.update and report.passed and report.measured is not None:
-        writers[baseline] = report.measured.write
-    if junit is not None:
-        _refuse_inputs(junit, scenario, baseline, checks)
-        writers[junit] = lambda draft: draft.write_bytes(junit_text(report).encode("utf-8"))
-    write_files(writers)
-    return list(writers)
-
-
-def _write_junit_error(
-    error: Exception,
-    scenario: Path,
-    baseline: Path | None,
-    checks: Path | None,
-    junit: Path | None,
-) -> None:
-    """Put bad input in the place of an earlier run's JUnit file, if that can be written."""
-    from .gate.formats import junit_error
-    from .output import write_files
-
-    if junit is None:
-        return
-    text = junit_error(scenario, _message(error)).encode("utf-8")
-    with suppress(ValueError, OSError):  # the error itself is what to tell
-        _refuse_inputs(junit, scenario, baseline, checks)
-        write_files({junit: lambda draft: draft.write_bytes(text)})
-
-
-def _refuse_inputs(junit: Path, scenario: Path, baseline: Path | None, checks: Path | None) -> None:
-    from .gate.check import baseline_beside, checks_beside
-
-    inputs = (scenario, baseline or baseline_beside(scenario), checks or checks_beside(scenario))
-    if junit.resolve() in [path.resolve() for path in inputs]:
-        raise ValueError(f"--junit {junit}: is a file that is read; name another one")
-
-
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
     from .output import check_picture, save_figure, write_files, write_rows
     from .report import switch_rows
@@ -282,10 +191,16 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
         writers[csv] = lambda draft: write_rows(draft, header, rows)
     if plot is not None:
         check_picture(plot)
+        from matplotlib.figure import Figure
+
         from .plots import plot_trajectory
 
         figure = plot_trajectory(
-            plan.trajectory, limits=plan.limits, unit=plan.unit, scale=plan.scale
+            plan.trajectory,
+            limits=plan.limits,
+            unit=plan.unit,
+            scale=plan.scale,
+            figure=Figure(),  # of its own, without pyplot and a display
         )
         writers[plot] = lambda draft: save_figure(figure, draft)
     write_files(writers)
@@ -307,11 +222,12 @@ def _warn(message: Warning | str, *_: object, **__: object) -> None:
 
 
 def _fail(error: Exception, status: int) -> None:
-    print(f"jounce: {_message(error)}", file=sys.stderr)
+    print(f"jounce: {message_of(error)}", file=sys.stderr)
     raise SystemExit(status)
 
 
-def _message(error: Exception) -> str:
+def message_of(error: Exception) -> str:
+    """Return what to tell of an error, with a remedy for one of the operating system's."""
     if isinstance(error, OSError) and error.strerror:
         if error.filename is None:
             return f"standard output: {error.strerror}; print to a place that can be written"

@@ -187,10 +187,12 @@ def _write_run(
     if csv is not None:
         writers[csv] = result.to_csv
     if plot is not None:
+        from matplotlib.figure import Figure
+
         from .plots.cosimulation import plot_cosimulation
         from .plots.style import plain
 
-        figure = plot_cosimulation(result)
+        figure = plot_cosimulation(result, figure=Figure())  # without pyplot and a display
         figure.suptitle(plain(f"{description.model_name}: {description.description}"), fontsize=11)
         for ax, name in zip(figure.axes, result.outputs, strict=True):
             ax.set_ylabel(f"[{plain(units[name] or '1')}]")

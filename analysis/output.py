@@ -56,6 +56,10 @@ def write_survey(survey: Survey, folder: Path) -> list[Path]:
     OSError
         Where the folder cannot be written. No file of it has changed then.
     """
+    from matplotlib.figure import Figure
+
+    from .plots.survey import plot_survey
+
     with _all_or_nothing(folder) as draft:
         text = json.dumps(survey_data(survey), indent=2, ensure_ascii=False, allow_nan=False)
         (draft / "survey.json").write_text(text + "\n", encoding="utf-8")
@@ -63,7 +67,7 @@ def write_survey(survey: Survey, folder: Path) -> list[Path]:
         _write_csv(draft / "step.csv", ["time_s", "position"], [step.time, step.position])
         for i, move in enumerate(survey.moves, start=1):
             _write_move(survey, move, draft / f"move_{i}_{slug(move.name)}.csv")
-        figure = survey.plot()
+        figure = plot_survey(survey, figure=Figure())  # without pyplot and a display
         save_figure(figure, draft / "survey.png")
         save_figure(figure, draft / "survey.pdf")
         names = sorted(path.name for path in draft.iterdir())

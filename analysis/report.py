@@ -13,12 +13,17 @@ from rich.console import Console, ConsoleOptions
 from rich.table import Table
 from rich.text import Text
 
+from ..shaping import binding_limits
 from ..shaping.derivatives import derivative_name
+from ..shaping.optimal.binding import BINDING_RTOL
 
 if TYPE_CHECKING:
     from ..shaping import Certificate
     from .plan import Plan
     from .survey import MoveSurvey, Survey
+
+
+_FEW_PIECES = 3  # the highest order whose moves have at most seven
 
 
 def survey_tables(survey: Survey) -> list[Table]:
@@ -40,6 +45,7 @@ def survey_data(survey: Survey) -> dict[str, Any]:
     return {
         "title": scenario.title,
         "scenario": scenario.path.name,
+        "overrides": list(scenario.overrides),
         "units": {
             "position": scenario.position_unit,
             "torque": _torque_unit(survey),
@@ -107,9 +113,14 @@ def _width(columns: list[list[str]]) -> int:
     return 1 + sum(3 + max(map(cell_len, column)) for column in lines)
 
 
-def plan_tables(plan: Plan) -> list[Table | WideTable]:
-    """Return the tables of a planned move: peaks against limits, and the switches."""
-    return [_peaks_table(plan), _switch_table(plan)]
+def plan_tables(plan: Plan, *, pieces: bool = True) -> list[Table | WideTable | str]:
+    """Return a planned move for reading: peaks beside limits, and the switches.
+
+    Without `pieces` a line says from order 4 on, where there may be dozens, how many there are.
+    """
+    if pieces or plan.trajectory.order <= _FEW_PIECES:
+        return [_peaks_table(plan), _switch_table(plan)]
+    return [_peaks_table(plan), f"{len(plan.trajectory.states)} pieces; --pieces prints them"]
 
 
 def certificate_table(plan: Plan, certificate: Certificate) -> Table:
@@ -132,7 +143,8 @@ def certificate_table(plan: Plan, certificate: Certificate) -> Table:
 def _peaks_table(plan: Plan) -> Table:
     move, unit = plan.trajectory, plan.unit
     title = f"Move of order {move.order}, {move.duration:.10g} s"
-    table = _table(title, "", "peak", "limit", "unit")
+    table = _table(title, "", "peak", "limit", "unit", "at its limit")
+    binding = _binding(plan)
     for k in range(1, move.order + 1):
         lower, upper = (side / plan.scale for side in plan.limits.bounds(k))
         limit = f"{upper:.9g}" if upper == -lower else f"{lower:.9g} … {upper:.9g}"
@@ -141,8 +153,24 @@ def _peaks_table(plan: Plan) -> Table:
             f"{move.peak(k) / plan.scale + 0.0:.9g}",
             "none" if upper == inf and lower == -inf else limit,
             f"{unit}/s" if k == 1 else f"{unit}/s^{k}",
+            binding[k],
         )
     return table
+
+
+def _binding(plan: Plan) -> dict[int, str]:
+    """Return for how much of the time each derivative is at its limit."""
+    move, limits = plan.trajectory, plan.limits
+    active = binding_limits(move, limits)
+    told = {}
+    for k in range(1, move.order + 1):
+        spans = [t for t, some in zip(move.durations, active, strict=True) if k in some]
+        share = 100.0 * sum(spans) / move.duration if spans else 0.0
+        lower, upper = (side * (1.0 - BINDING_RTOL) for side in limits.bounds(k))
+        least, most = move.extremes(k)
+        touched = bool(len(active)) and (most >= upper or least <= lower)
+        told[k] = f"{share:.3g} % of the time" if share else "touched" if touched else ""
+    return told
 
 
 def _switch_table(plan: Plan) -> WideTable:

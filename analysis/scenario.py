@@ -1,6 +1,7 @@
 """Scenario files: a plant, its loop and the moves asked of it, as TOML with units in strings."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -18,6 +19,7 @@ from pydantic import (
 
 from ..shaping.limits import Bound
 from . import scenario_checks as checks
+from .overrides import Place, override
 from .reading import read_toml
 from .scenario_messages import problem_line, what_to_write
 from .units import FREQUENCY, Motion, factor, unit_of
@@ -129,6 +131,8 @@ class Scenario:
         At least one.
     modes : tuple of Mode
         What the moves must not leave ringing.
+    overrides : tuple of str
+        What was given in place of the file's own, as ``key = value``.
     """
 
     path: Path
@@ -143,6 +147,7 @@ class Scenario:
     filter: FilterSection | None
     moves: tuple[Move, ...]
     modes: tuple[Mode, ...] = ()
+    overrides: tuple[str, ...] = ()
 
     @property
     def position_scale(self) -> float:
@@ -204,13 +209,18 @@ class _File(_Section):
     moves: Annotated[tuple[_Move, ...], BeforeValidator(checks.several_moves)]
 
 
-def load_scenario(path: str | PathLike[str]) -> Scenario:
+def load_scenario(
+    path: str | PathLike[str], *, overrides: Mapping[str, Any] | None = None
+) -> Scenario:
     """Read a scenario file.
 
     Parameters
     ----------
     path : path-like
         A TOML file, UTF-8, laid out as the files in ``examples/`` explain.
+    overrides : mapping of str to object, optional
+        Values in place of the file's, by their keys, as TOML would have them:
+        ``{"limits.axis.jerk": "3 deg/s^3", 'moves."60 arcsec step".settle_to': "20 mas"}``.
 
     Returns
     -------
@@ -220,11 +230,15 @@ def load_scenario(path: str | PathLike[str]) -> Scenario:
     Raises
     ------
     ScenarioError
-        If the file cannot be read, or for what it says: a line for every problem, with the
-        file, the key, the value, and what to write.
+        If the file cannot be read, or for what it or an override says: a line for every
+        problem, with the file, the key, the value, and what to write.
     """
     path = Path(path)
     content = _read(path)
+    try:
+        placed = override(content, overrides or {})
+    except ValueError as error:
+        raise ScenarioError(f"{path}: {error}") from None
     context = checks.context_of(content)
     try:
         checked = _File.model_validate(content, context=context)
@@ -232,8 +246,31 @@ def load_scenario(path: str | PathLike[str]) -> Scenario:
         problems = error.errors(include_url=False)
     else:
         first = content["moves"][0]["distance"]
-        return _scenario(path, checked, context.motions[0], unit_of(first))
-    raise ScenarioError("\n".join(f"{path}: {problem_line(p)}" for p in problems))
+        texts = tuple(placed.values())
+        return _scenario(path, checked, context.motions[0], unit_of(first), texts)
+    lines = (f"{path}: {_whose(p, placed)}{problem_line(p)}" for p in problems)
+    raise ScenarioError("\n".join(lines))
+
+
+def as_scenario(
+    scenario: Scenario | str | PathLike[str], overrides: Mapping[str, Any] | None
+) -> Scenario:
+    """Return a scenario, read from its file where a path is given; only there can be overrides."""
+    if not isinstance(scenario, Scenario):
+        return load_scenario(scenario, overrides=overrides)
+    if overrides:
+        raise ScenarioError(
+            f"{scenario.path}: overrides are for a scenario's file, not for one that is read; "
+            "give load_scenario(path, overrides=…) or dataclasses.replace"
+        )
+    return scenario
+
+
+def _whose(problem: Any, placed: Mapping[Place, str]) -> str:
+    """Return the word that tells an override from what the file says."""
+    where = problem["loc"]
+    given = any(place[: len(where)] == where[: len(place)] for place in placed)
+    return "override " if given else ""
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -249,7 +286,9 @@ def _read(path: Path) -> dict[str, Any]:
     return content
 
 
-def _scenario(path: Path, checked: _File, motion: Motion, first_unit: str) -> Scenario:
+def _scenario(
+    path: Path, checked: _File, motion: Motion, first_unit: str, overrides: tuple[str, ...]
+) -> Scenario:
     feedforward = checked.feedforward
     return Scenario(
         path=path,
@@ -264,6 +303,7 @@ def _scenario(path: Path, checked: _File, motion: Motion, first_unit: str) -> Sc
         filter=checked.filter,
         moves=tuple(_move(move, checked.limits[move.limits]) for move in checked.moves),
         modes=tuple(Mode(m.name, m.frequency, m.damping / 100.0) for m in checked.modes),
+        overrides=overrides,
     )
 
 

@@ -52,7 +52,7 @@ _INERTIA: dict[Motion, tuple[Kind, ...]] = {
     ),
     "length": (_positive("a positive mass for linear moves", "1 kg"),),
 }
-_GAIN_UNITS: dict[Motion, dict[str, str]] = {
+GAIN_UNITS: dict[Motion, dict[str, str]] = {
     "angle": {"kp": "N m/rad", "ki": "N m/(rad s)", "kr": "N m s/rad"},
     "length": {"kp": "N/m", "ki": "N/(m s)", "kr": "N s/m"},
 }
@@ -115,7 +115,7 @@ def read_gain(value: object, info: ValidationInfo) -> float:
     name = str(info.field_name)
 
     def kinds(motion: Motion) -> list[Kind]:
-        unit = _GAIN_UNITS[motion][name]
+        unit = GAIN_UNITS[motion][name]
         article = "a positive gain" if name == "kp" else "a gain not below zero"
         bound: dict[str, float] = {"above" if name == "kp" else "least": 0.0}
         return [Kind(name=article, unit=unit, example=f"2 {unit}", **bound)]

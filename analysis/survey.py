@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import log
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,11 @@ from ..plant import (
     printed_pid,
 )
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from .margins import LoopMargins, loop_margins
 from .sampling import Clock, clock_for, followed, thinned
-from .scenario import Gains, Mode, Move, Scenario, load_scenario
+from .scenario import Gains, Mode, Move, Scenario, as_scenario
 from .shapers import residual_vibration
 from .step import KEPT, StepResponse, step_response
 
@@ -72,7 +73,7 @@ class MoveResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class MoveSurvey:
+class MoveSurvey(Frozen):
     """A move of the scenario, shaped, filtered and run through the loop.
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
@@ -129,19 +130,23 @@ class Survey:
         return (f"The gains miss their specifications: {listed}; {overshoot}.",)
 
     def plot(self) -> Figure:
-        """Return the picture of the survey."""
+        """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
         from .plots import plot_survey
 
         return plot_survey(self)
 
 
-def survey(scenario: Scenario | str | Path) -> Survey:
+def survey(
+    scenario: Scenario | str | Path, *, overrides: Mapping[str, Any] | None = None
+) -> Survey:
     """Survey the servo loop that a scenario describes.
 
     Parameters
     ----------
     scenario : Scenario, str or Path
         A scenario, or the path of its TOML file.
+    overrides : mapping of str to object, optional
+        Values in place of the file's, as `load_scenario` takes them.
 
     Returns
     -------
@@ -160,8 +165,7 @@ def survey(scenario: Scenario | str | Path) -> Survey:
     ----------
     Thompson, "Snap, Crackle, and Pop", Section VII.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load_scenario(scenario)
+    scenario = as_scenario(scenario, overrides)
     try:
         controller = controller_of(scenario)
     except ValueError as error:

@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, DecimalException
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -210,7 +210,7 @@ def parse_any(text: object, kinds: Sequence[Kind]) -> tuple[float, Kind]:
         kind = _matching(dimension, kinds)
         value = _scaled(number, scale / _root(kind.unit)[0])
     except UnitError as error:
-        raise UnitError(f"{show(text)} {error}; {remedy}") from None
+        raise UnitError(f"{show(text)} {error}; {remedy}") from error
     if not kind.admits(value):
         raise UnitError(f"{show(text)} is out of range; {remedy}")
     return value, kind
@@ -232,7 +232,7 @@ def factor(unit: str) -> float:
     try:
         return _scaled("1", _root(unit)[0])
     except UnitError as error:
-        raise UnitError(f"{show(unit)} {error}; write a unit such as 'arcsec'") from None
+        raise UnitError(f"{show(unit)} {error}; write a unit such as 'arcsec'") from error
 
 
 def convert(value: float, unit: str) -> float:
@@ -251,6 +251,29 @@ def convert(value: float, unit: str) -> float:
         If `unit` is not one.
     """
     return value / factor(unit)
+
+
+def conversion(unit: str, to: str) -> float:
+    """Return how many of one unit are in another: 1000 for "arcsec" to "mas".
+
+    Parameters
+    ----------
+    unit, to : str
+        Units, as for `factor`.
+
+    Raises
+    ------
+    UnitError
+        If either is not one, or they differ in dimension.
+    """
+    try:
+        scale, dimension = _root(unit)
+        other, wanted = _root(to)
+        if dimension != wanted:
+            raise UnitError(f"has not the dimension of {show(to)}")
+        return _scaled("1", scale / other)
+    except UnitError as error:
+        raise UnitError(f"{show(unit)} {error}; write a unit such as 'arcsec'") from None
 
 
 def parse_unit(text: object, kinds: Sequence[Kind]) -> str:
@@ -281,7 +304,7 @@ def parse_unit(text: object, kinds: Sequence[Kind]) -> str:
             raise UnitError("is not a unit in quotation marks")
         _matching(_root(text)[1], kinds)
     except UnitError as error:
-        raise UnitError(f"{show(text)} {error}; {remedy}") from None
+        raise UnitError(f"{show(text)} {error}; {remedy}") from error
     return _spelled(text)
 
 
@@ -328,8 +351,8 @@ def _spelled(text: str) -> str:
 def _scaled(number: str, scale: Decimal) -> float:
     try:
         exact = Decimal(number) * scale
-    except ArithmeticError:
-        raise UnitError(_OUT_OF_RANGE) from None
+    except (DecimalException, OverflowError) as error:
+        raise UnitError(_OUT_OF_RANGE) from error
     value = float(exact)
     if math.isinf(value) or (value == 0.0 and exact != 0):
         raise UnitError(_OUT_OF_RANGE)
@@ -360,8 +383,8 @@ def _root(unit: str) -> tuple[Decimal, "UnitsContainer"]:
         names = error.unit_names
         name = names if isinstance(names, str) else next(iter(names))
         raise UnitError(f"has the unknown unit {name!r}") from None
-    except ArithmeticError:
-        raise UnitError(_OUT_OF_RANGE) from None
+    except (DecimalException, OverflowError) as error:
+        raise UnitError(_OUT_OF_RANGE) from error
     return quantity.magnitude, quantity.dimensionality
 
 

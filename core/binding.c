@@ -149,7 +149,7 @@ static int is_number(double x) { return x - x == 0.0; }
 
 /* A float or int; 0 for anything else, without an error set. */
 static int plain_number(PyObject *object, double *number) {
-    if (PyFloat_Check(object) || PyLong_Check(object)) {
+    if (PyFloat_Check(object) || (PyLong_Check(object) && !PyBool_Check(object))) {
         *number = PyFloat_AsDouble(object);
         if (!PyErr_Occurred()) {
             return 1;
@@ -221,14 +221,14 @@ static int plain_limits(PyObject *object, jounce_limits *limits) {
     Py_ssize_t count = plain_numbers(object, bounds, 6), i;
     int order = (int)(count / 2), sound = count == 4 || count == 6;
     for (i = 0; sound && i < count; i += 2) {
-        sound = bounds[i] < 0.0 && 0.0 < bounds[i + 1];
+        sound = bounds[i] <= 0.0 && 0.0 <= bounds[i + 1] && bounds[i] < bounds[i + 1];
     }
     if (count < 0) {
         return 0;
     }
     if (!sound || !is_number(bounds[count - 2]) || !is_number(bounds[count - 1])) {
         PyErr_SetString(PyExc_ValueError,
-                        "bounds: expected lower < 0 < upper of velocity, acceleration and, for "
+                        "bounds: expected lower <= 0 <= upper of velocity, acceleration and, for "
                         "order 3, jerk, the last ones finite");
         return 0;
     }
@@ -847,8 +847,12 @@ static void lay_out_all(const Problems *p, int most, double *lengths, double *st
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
         double *end = ends + i * width;
-        int count = solve(p, i, &motion) == JOUNCE_OK ? motion.count : 0;
-        end_row(&motion, p->order, end);
+        int ok = solve(p, i, &motion) == JOUNCE_OK, count = ok ? motion.count : 0;
+        if (ok) {
+            end_row(&motion, p->order, end);
+        } else {
+            memset(end, 0, (size_t)width * sizeof(double));
+        }
         for (k = 0; k < most; k++) {
             double *row = states + (i * most + k) * width;
             lengths[i * most + k] = k < count ? motion.pieces[k].duration : 0.0;
@@ -1243,6 +1247,26 @@ static PyObject *follower_pieces(PyObject *object, PyObject *const *args, Py_ssi
     return list;
 }
 
+static PyObject *advance_lags(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    double lags[JOUNCE_MOST_LAGS], motion[4], tau, omega;
+    Py_ssize_t m, width;
+    (void)module;
+    if (!expect(count, 4, "advance_lags(lags, motion, tau, omega)")) {
+        return NULL;
+    }
+    m = plain_numbers(args[0], lags, JOUNCE_MOST_LAGS);
+    width = m < 0 ? -1 : plain_numbers(args[1], motion, 4);
+    if (width < 0 || !one_number(args[2], &tau) || !one_number(args[3], &omega)) {
+        return NULL;
+    }
+    if (m == 0 || width == 0) {
+        PyErr_SetString(PyExc_ValueError, "no lags, or no motion");
+        return NULL;
+    }
+    jounce_advance_lags(lags, (int)m, motion, (int)width - 1, tau, omega);
+    return tuple_of(lags, (int)m);
+}
+
 static PyMethodDef follower_methods[] = {
     {"step", FAST(follower_step), METH_FASTCALL,
      "step(state, command, command_velocity)\n--\n\nReturn the state one sample later, or the "
@@ -1277,6 +1301,9 @@ static PyType_Spec follower_spec = {
 /* --- the module ------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
+    {"advance_lags", FAST(advance_lags), METH_FASTCALL,
+     "advance_lags(lags, motion, tau, omega)\n--\n\nReturn lags a time tau after the motion had "
+     "the derivatives 0, 1, … given."},
     {"move", FAST(move), METH_FASTCALL,
      "move(distance, bounds)\n--\n\nReturn the fastest Motion from rest at 0 to rest, or the "
      "status."},

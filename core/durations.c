@@ -94,6 +94,10 @@ jounce_status jounce_possible_durations(const jounce_state *start, const jounce_
     jounce_problem p;
     int i;
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), &p);
+    durations->count = 0;
+    if (!jounce_ends_within(&p.whole)) {
+        return JOUNCE_UNREACHABLE;
+    }
     jounce_start_inside(&p);
     possible(&p.task, durations);
     for (i = 0; i < durations->count; i++) {

@@ -284,6 +284,7 @@ jounce_status jounce_follow(const jounce_follower *f, const jounce_state *state,
     s.up = f->limits.a_high;
     s.down = -f->limits.a_low;
     s.e = nearer(&s, &f->limits);
+    slack = s.e == off ? slack : 0.0; /* no rounding of a command that is far off */
     m->count = 0;
     m->duration = m->inside_after = 0.0;
     if (jerky) {

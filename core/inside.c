@@ -9,10 +9,11 @@
  *    at full deceleration would cross the bound sooner, but turn an axis round that should only
  *    slow down. Where the acceleration leads further than the bound whatever is done, it goes to
  *    the velocity that it leads to.
- * 4. Where the end is too near for that, brake harder: on to the highest velocity from which the
- *    end is met without passing it, if need be beyond standstill, down to the other bound.
+ * 4. Where the end is too near for that, brake harder: as hard as the bounds allow as far as the
+ *    bound of the velocity, unless that turns the axis round where levelling off at a lower
+ *    velocity does not.
  *
- * What remains is an ordinary problem from a state of zero acceleration inside the bounds.
+ * What remains is an ordinary problem from a state inside the bounds.
  */
 #include "task.h"
 
@@ -99,16 +100,76 @@ static double level(const jounce_task *t, double top) {
     return low;
 }
 
-/* From above v_max. */
-static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
-    double top = t->v_max, velocity;
-    jounce_change change;
-    jounce_task to;
-    if (is_finite(t->rise) && t->a0 < 0.0) {
-        top = smaller(top, larger(t->v0 - 0.5 * t->a0 * t->a0 / t->rise, t->v_min));
+static void move_on(jounce_task *t, double duration, double j, double *x, jounce_motion *motion) {
+    double h = duration, step = (t->v0 + (0.5 * t->a0 + j * h / 6.0) * h) * h;
+    if (h > 0.0) {
+        jounce_add(motion, h, *x, t->v0, t->a0, j);
+        *x += step;
+        t->distance -= step;
+        t->v0 += (t->a0 + 0.5 * j * h) * h;
+        t->a0 += j * h;
     }
-    velocity = level(t, top);
-    to = *t;
+}
+
+/* Down to v_max as fast as possible: fall, hold, and rise where v_min would be passed else.
+ * Falling, v = summit - a^2/(2 fall); the last rise follows v = v_min + a^2/(2 rise). */
+static void brake_hard(jounce_task *t, double *x, jounce_motion *motion) {
+    double rise = t->rise, fall = t->fall, bound = t->v_max, least = t->a_min;
+    double summit = t->v0 + 0.5 * t->a0 * t->a0 / fall;
+    double arrival = -square_root(2.0 * fall * larger(summit - bound, 0.0));
+    double gentlest = -square_root(2.0 * rise * (bound - t->v_min)); /* more passes v_min */
+    double lowest;
+    if (arrival >= larger(least, gentlest)) {
+        move_on(t, (t->a0 - arrival) / fall, -fall, x, motion);
+        t->a0 = arrival;
+    } else if (least >= gentlest) {
+        move_on(t, (t->a0 - least) / fall, -fall, x, motion);
+        t->a0 = least;
+        move_on(t, (bound - t->v0) / least, 0.0, x, motion);
+    } else {
+        lowest = smaller(-square_root((summit - t->v_min) / (0.5 / rise + 0.5 / fall)), t->a0);
+        move_on(t, (t->a0 - larger(lowest, least)) / fall, -fall, x, motion);
+        if (lowest < least) {
+            double gap = summit - 0.5 * least * least / fall -
+                         (t->v_min + 0.5 * least * least / rise);
+            t->a0 = lowest = least;
+            move_on(t, -gap / least, 0.0, x, motion);
+        }
+        move_on(t, (gentlest - lowest) / rise, rise, x, motion);
+        t->a0 = gentlest;
+    }
+    t->v0 = bound;
+}
+
+/* Whether the fastest plan of what is left goes backwards on its way to an end that does not. */
+static int turns_round(const jounce_task *t, double x) {
+    double slack = 1e-12 * magnitude(t->v_max);
+    jounce_motion plan;
+    int i;
+    if (t->v1 < 0.0) {
+        return 0;
+    }
+    jounce_clear(&plan);
+    if (!jounce_fastest(t, x, x + t->distance, &plan)) {
+        return 1;
+    }
+    for (i = 0; i < plan.count; i++) {
+        const jounce_piece *p = &plan.pieces[i];
+        double h = p->duration, at = p->j != 0.0 ? -p->a / p->j : 0.0;
+        double v = p->v + (p->a + 0.5 * p->j * h) * h;
+        if (0.0 < at && at < h) {
+            v = smaller(v, p->v + 0.5 * p->a * at);
+        }
+        if (v < -slack) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void level_off(jounce_task *t, double velocity, double *x, jounce_motion *motion) {
+    jounce_task to = *t;
+    jounce_change change;
     to.v1 = velocity;
     to.a1 = 0.0;
     change = jounce_change_velocity(&to);
@@ -117,6 +178,30 @@ static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
     t->distance -= change.distance;
     t->v0 = velocity;
     t->a0 = 0.0;
+}
+
+/* From above v_max. */
+static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
+    double top = t->v_max, velocity;
+    if (is_finite(t->rise) && t->a0 < 0.0) {
+        top = smaller(top, larger(t->v0 - 0.5 * t->a0 * t->a0 / t->rise, t->v_min));
+    }
+    velocity = level(t, top);
+    if (velocity != top && is_finite(t->rise)) {
+        jounce_task hard = *t;
+        double reached = *x;
+        int count = motion->count;
+        double duration = motion->duration;
+        brake_hard(&hard, &reached, motion);
+        if (velocity < 0.0 || !turns_round(&hard, reached)) {
+            *t = hard;
+            *x = reached;
+            return;
+        }
+        motion->count = count;
+        motion->duration = duration;
+    }
+    level_off(t, velocity, x, motion);
 }
 
 static int rises_over(const jounce_task *t, double v, double a, double slack) {

@@ -57,11 +57,11 @@ static double to_cruise(const jounce_family *f, double gain, double least) {
     if (!is_finite(gain)) {
         return INFINITE;
     }
-    square = gain / f->kappa;
+    square = gain * f->per_kappa;
     if (square > least * least) {
         return square_root(square);
     }
-    return square >= least * least - slack_of(f, f->task.v_max) / f->kappa ? least : -INFINITE;
+    return square >= least * least - slack_of(f, f->task.v_max) * f->per_kappa ? least : -INFINITE;
 }
 
 void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
@@ -73,15 +73,18 @@ void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
     stop = speed / smaller(t->a_max, -t->a_min) + square_root(speed / jerk) +
            larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
     f->blur = t->resolution + ROUNDING * (magnitude(t->distance) + speed * stop);
-    f->kappa = 0.5 / t->rise + 0.5 / t->fall;
+    f->rise_time = 1.0 / t->rise;
+    f->fall_time = 1.0 / t->fall;
+    f->kappa = 0.5 * f->rise_time + 0.5 * f->fall_time;
+    f->per_kappa = 1.0 / f->kappa;
     f->noise = ROUNDING * (speed + f->kappa * squares);
-    f->c = t->v1 - t->v0 + (t->a0 - t->a1) * (t->a0 + t->a1) * 0.5 / t->rise;
+    f->c = t->v1 - t->v0 + (t->a0 - t->a1) * (t->a0 + t->a1) * 0.5 * f->rise_time;
     if (magnitude(f->c) <= f->noise) {
         f->c = 0.0;
     }
-    f->ratio = f->c / f->kappa;
-    f->v_in = t->v0 - t->a0 * t->a0 * 0.5 / t->rise;
-    f->v_out = t->v1 - t->a1 * t->a1 * 0.5 / t->rise;
+    f->ratio = f->c * f->per_kappa;
+    f->v_in = t->v0 - t->a0 * t->a0 * 0.5 * f->rise_time;
+    f->v_out = t->v1 - t->a1 * t->a1 * 0.5 * f->rise_time;
     f->p_cruise = to_cruise(f, t->v_max - f->v_in, larger(t->a0, 0.0));
     f->q_cruise = -to_cruise(f, t->v_max - f->v_out, larger(-t->a1, 0.0));
     lowest = t->v_min - slack_of(f, t->v_min);
@@ -191,8 +194,10 @@ static void find_arcs(const jounce_family *f, Arcs *arcs) {
     }
 }
 
-static jounce_profile timed(const jounce_task *t, double p, double hold, double q, double dwell) {
-    double moving = ((p - t->a0) + (t->a1 - q)) / t->rise + (p - q) / t->fall;
+static jounce_profile timed(const jounce_family *f, double p, double hold, double q,
+                            double dwell) {
+    const jounce_task *t = &f->task;
+    double moving = ((p - t->a0) + (t->a1 - q)) * f->rise_time + (p - q) * f->fall_time;
     jounce_profile profile = {larger(moving, 0.0) + hold + dwell, p, hold, 0.0, q, dwell};
     return profile;
 }
@@ -222,7 +227,7 @@ static jounce_profile member(const jounce_family *f, int kind, double s) {
         hold = s;
         dwell = larger((f->c - f->kappa * (p * p - q * q) - p * hold) / q, 0.0);
     }
-    return timed(t, p, hold, q, dwell);
+    return timed(f, p, hold, q, dwell);
 }
 
 /* The derivative of the duration by the parameter. */
@@ -250,16 +255,16 @@ static Travel travel(const jounce_family *f, const jounce_profile *profile) {
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, v = t->v0, w, x, fastest;
     Travel result;
-    x = ramp(&v, t->a0, p, t->rise);
+    x = ramp_in(&v, t->a0, p, (p - t->a0) * f->rise_time);
     x += (v + 0.5 * p * profile->hold) * profile->hold;
     v += p * profile->hold;
-    result.slope = v + 0.5 * p * (p - q) / t->fall;
+    result.slope = v + 0.5 * p * (p - q) * f->fall_time;
     w = v;
-    x += ramp(&w, p, q, -t->fall);
+    x += ramp_in(&w, p, q, (p - q) * f->fall_time);
     x += (w + 0.5 * q * profile->dwell) * profile->dwell;
     fastest = larger(larger(magnitude(t->v0), magnitude(v)), larger(magnitude(w), magnitude(t->v1)));
     w += q * profile->dwell;
-    x += ramp(&w, q, t->a1, t->rise);
+    x += ramp_in(&w, q, t->a1, (t->a1 - q) * f->rise_time);
     result.distance = x;
     result.scale = fastest * profile->duration;
     return result;
@@ -287,9 +292,9 @@ static int turning_points(const jounce_family *f, int kind, double *points) {
     const jounce_task *t = &f->task;
     double p = t->a_max, q = t->a_min;
     if (kind == FREE_Q || kind == FREE_P) {
-        double alpha = 0.125 / t->rise + 0.25 / t->fall, roots[2];
-        double gamma = f->v_in + 0.25 * f->ratio * (1.0 / t->rise + 1.0 / t->fall);
-        double beta = 0.125 * f->ratio * f->ratio / t->rise;
+        double alpha = 0.125 * f->rise_time + 0.25 * f->fall_time, roots[2];
+        double gamma = f->v_in + 0.25 * f->ratio * (f->rise_time + f->fall_time);
+        double beta = 0.125 * f->ratio * f->ratio * f->rise_time;
         int n = quadratic(alpha, gamma, beta, roots), i, count = 0;
         for (i = 0; i < n; i++) {
             if (roots[i] > 0.0) {
@@ -300,12 +305,12 @@ static int turning_points(const jounce_family *f, int kind, double *points) {
         return count;
     }
     if (kind == HOLD) {
-        return quadratic(f->kappa, -0.5 * p / t->fall, f->v_in + f->c, points);
+        return quadratic(f->kappa, -0.5 * p * f->fall_time, f->v_in + f->c, points);
     }
     if (kind == DWELL) {
-        return quadratic(f->kappa, -0.5 * q / t->fall, f->v_in, points);
+        return quadratic(f->kappa, -0.5 * q * f->fall_time, f->v_in, points);
     }
-    points[0] = -(f->v_in + 0.5 * p * p / t->rise + 0.5 * p * (p - q) / t->fall) / p;
+    points[0] = -(f->v_in + 0.5 * p * p * f->rise_time + 0.5 * p * (p - q) * f->fall_time) / p;
     return 1;
 }
 
@@ -334,8 +339,9 @@ static int far_parameter(const jounce_family *f, int kind, double s, double infi
 
 /* The profile between two parameters at which the distance errs either way. */
 static jounce_profile between(const jounce_family *f, int kind, double s, double error,
-                              double other) {
-    double wrong_side = error, middle = 0.5 * (s + other), following, slope;
+                              double other, double other_error) {
+    double wrong_side = error, middle = s + (other - s) * (error / (error - other_error));
+    double following, slope;
     jounce_profile profile = member(f, kind, middle);
     int i;
     for (i = 0; i < MOST_STEPS; i++) {
@@ -396,7 +402,7 @@ static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *foun
             keep(&profile, found);
             error = 0.0;
         } else if (i > 0 && error_before * error < 0.0) {
-            profile = between(f, arc->kind, s_before, error_before, s);
+            profile = between(f, arc->kind, s_before, error_before, s, error);
             keep(&profile, found);
         }
         s_before = s;
@@ -422,7 +428,7 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
         dwell = f->kappa * (q / t->a_min - 1.0) * (-q - t->a_min);
         q = t->a_min;
     }
-    *profile = timed(t, p, hold, q, dwell);
+    *profile = timed(f, p, hold, q, dwell);
     return 1;
 }
 

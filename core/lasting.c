@@ -246,6 +246,9 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
     jounce_problem p;
     double left;
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), &p);
+    if (!jounce_ends_within(&p.whole)) {
+        return JOUNCE_UNREACHABLE;
+    }
     jounce_start_inside(&p);
     left = scaled(duration, -p.units.time) - p.way.duration;
     *motion = p.way;

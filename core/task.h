@@ -36,12 +36,16 @@ void jounce_add(jounce_motion *motion, double duration, double x, double v, doub
 /* Turn the pieces from `first` on into those of the opposite direction. */
 void jounce_turn(jounce_motion *motion, int first);
 
-/* Distance and change of velocity while the acceleration goes from a to end with jerk j. */
-static inline double ramp(double *v, double a, double end, double j) {
-    double t = (end - a) / j;
-    double distance = (*v + (2.0 * a + end) / 6.0 * t) * t;
+/* Distance and change of velocity while the acceleration goes from a to end within a time t. */
+static inline double ramp_in(double *v, double a, double end, double t) {
+    double distance = (*v + (2.0 * a + end) * (1.0 / 6.0) * t) * t;
     *v += 0.5 * (a + end) * t;
     return distance;
+}
+
+/* The same with jerk j. */
+static inline double ramp(double *v, double a, double end, double j) {
+    return ramp_in(v, a, end, (end - a) / j);
 }
 
 /* --- changes of velocity (velocity_change.c) -------------------------------------------------- */
@@ -100,7 +104,8 @@ typedef struct {
 typedef struct {
     jounce_task task;
     double blur;              /* an error of the distance that is mere rounding */
-    double kappa, noise;      /* the rest is the jerk's */
+    double rise_time, fall_time; /* of a unit of acceleration; the rest is the jerk's */
+    double kappa, per_kappa, noise;
     double c, ratio;          /* of what the end velocity asks */
     double v_in, v_out;       /* velocities at which the outer rises cross zero acceleration */
     double p_cruise, q_cruise; /* accelerations from and to which the profile cruises */
@@ -136,6 +141,9 @@ double jounce_distance_of(const jounce_family *family, const jounce_profile *pro
 void jounce_pieces_of(const jounce_family *family, const jounce_profile *profile, double start,
                       double end, jounce_motion *motion);
 
+/* Add the fastest plan of a task that starts inside; 0 where there is none (transfer.c). */
+int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion);
+
 /* --- problems (transfer.c) ----------------------------------------------------------------------- */
 
 /* A transfer in its own units, its start brought inside. */
@@ -150,6 +158,9 @@ typedef struct {
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
                  double size, jounce_problem *problem);
 double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
+
+/* Whether the end keeps the bounds. */
+int jounce_ends_within(const jounce_task *task);
 
 /* Bring its start inside. */
 void jounce_start_inside(jounce_problem *problem);

@@ -1,12 +1,10 @@
 /* Transfers: the fastest motion between two states, and the fastest change of velocity. */
 #include "task.h"
 
-/* Add the fastest plan of a task; 0 where there is none.
- *
- * The quickest change from (v0, a0) to (v1, a1) covers a distance d. Where the durations of such
+/* The quickest change from (v0, a0) to (v1, a1) covers a distance d. Where the durations of such
  * changes have no gap, which takes accelerations of one sign, the distances that can be covered
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
-static int fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
+int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
     int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, side = 0, k;
     jounce_task mirrored = jounce_mirrored(task);
     jounce_family family, best_family;
@@ -106,6 +104,10 @@ void jounce_start_inside(jounce_problem *p) {
     }
 }
 
+int jounce_ends_within(const jounce_task *t) {
+    return t->v_min <= t->v1 && t->v1 <= t->v_max && t->a_min <= t->a1 && t->a1 <= t->a_max;
+}
+
 static int starts_within(const jounce_task *t) {
     return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
 }
@@ -134,15 +136,18 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
                               const jounce_limits *limits, double size, jounce_motion *motion) {
     jounce_problem p;
     jounce_pose(start, end, limits, size, &p);
+    if (!jounce_ends_within(&p.whole)) {
+        return JOUNCE_UNREACHABLE;
+    }
     jounce_start_inside(&p);
     jounce_clear(motion);
     if (p.way.count > 0 && starts_within(&p.whole)) { /* it leaves its bounds later, or never */
-        if (fastest(&p.whole, p.start, p.goal, motion)) {
+        if (jounce_fastest(&p.whole, p.start, p.goal, motion)) {
             return jounce_finish(&p, end, limits, motion);
         }
     }
     *motion = p.way;
-    if (!fastest(&p.task, p.position, p.goal, motion)) {
+    if (!jounce_fastest(&p.task, p.position, p.goal, motion)) {
         return JOUNCE_UNREACHABLE;
     }
     return jounce_finish(&p, end, limits, motion);
@@ -155,6 +160,9 @@ jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_s
     jounce_problem p;
     goal.x = start->x;
     jounce_pose(start, &goal, limits, magnitude(start->x), &p);
+    if (!jounce_ends_within(&p.whole)) {
+        return JOUNCE_UNREACHABLE;
+    }
     jounce_clear(motion);
     p.position = jounce_bring_acceleration_inside(&p.task, p.start, motion);
     change = jounce_change_velocity(&p.task);

@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
 FOLDERS = [
-    *("core", "shaping", "plant", "analysis", "building"),
+    *("jounce", "core", "shaping", "plant", "analysis", "building"),
     *("examples", "notebooks", "benchmarks", "docs", "tests"),
 ]
 

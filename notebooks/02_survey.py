@@ -106,4 +106,4 @@ print(found.margins)
 for shaped in found.moves:
     settled = shaped.configured.settling_time_s
     print(f"{shaped.name}: {shaped.duration_s:.4f} s, settled {settled:.4f} s")
-found.plot()
+_ = found.plot()

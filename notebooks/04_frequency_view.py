@@ -117,7 +117,7 @@ for match in ("delay", "rates"):
     lags = cascaded_lags(move, omega, match=match)
     print(f"{match:6s} time constants {np.round(lags.lags, 4)} s, "
           f"{lags.error_to_corner_db:+.2f} dB up to the corner")  # fmt: skip
-    display(lags.plot())
+    lags.plot()
 
 # %% [markdown]
 # ## What a move leaves ringing
@@ -215,7 +215,7 @@ for row in zip(
     print("A = {:4g} deg: −3 dB at {:.4g} rad/s, nearest first-order lag {:.4g} rad/s".format(*row))
 
 swept = describing_function(limiter, amplitudes[:, None], np.geomspace(0.02, 200.0, 400))
-plot_describing_function(swept, lag=lag).figure
+_ = plot_describing_function(swept, lag=lag)
 
 # %% [markdown]
 # With the acceleration limited as well, a follower prepares to stop at every command, and so lags

@@ -87,7 +87,7 @@ for name, each in (("recursion", recursion), ("closed form", closed), ("optimal"
 # there. Velocity and acceleration touch their limits; jerk and snap keep clear of theirs.
 
 # %%
-move.plot(limits, unit="deg")
+_ = move.plot(limits, unit="deg")
 
 # %% [markdown]
 # ## What a certificate says

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..shaping import JerkFilter
+from ..shaping.checks import whole
 
 if TYPE_CHECKING:
     import control
@@ -30,8 +31,7 @@ def filter_system(jerk_filter: JerkFilter, *, derivatives: int = 0) -> control.S
     import control
 
     m = jerk_filter.order
-    if not 0 <= derivatives < m:
-        raise ValueError(f"derivatives = {derivatives!r}: expected 0 to {m - 1} for order {m}")
+    derivatives = whole("derivatives", derivatives, 0, m - 1)
     a, b = jerk_filter.state_space()
     rows = [np.eye(m)[-1]]
     for _ in range(derivatives):

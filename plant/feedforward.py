@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..shaping.checks import finite
+from .linear_system import static_gain
 
 if TYPE_CHECKING:
     import control
@@ -24,18 +25,14 @@ class InertiaFeedforward:
     J_hat: float
 
     def __post_init__(self) -> None:
-        if not finite("J_hat", self.J_hat) >= 0.0:
+        estimate = finite("J_hat", self.J_hat)
+        if estimate < 0.0:
             raise ValueError(f"J_hat = {self.J_hat!r}: expected a number ≥ 0")
-        object.__setattr__(self, "J_hat", float(self.J_hat))
+        object.__setattr__(self, "J_hat", estimate)
 
     def system(self) -> control.StateSpace:
         """Return the python-control system r_acceleration → u_feedforward (a gain)."""
-        import control
-
-        return control.ss(
-            [],
-            [],
-            [],
+        return static_gain(
             [[self.J_hat]],
             inputs=["r_acceleration"],
             outputs=["u_feedforward"],

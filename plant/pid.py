@@ -10,6 +10,7 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from .inertia import Inertia
+from .linear_system import linear_system
 
 if TYPE_CHECKING:
     import control
@@ -109,8 +110,6 @@ class PID:
         >>> complex(digital(-1.0)).real
         6.5
         """
-        import control
-
         dt = positive("dt", dt)
         if rate not in ("measured", "differenced"):
             raise ValueError(f"rate = {rate!r}: expected 'measured' or 'differenced'")
@@ -123,11 +122,14 @@ class PID:
             )
         memory = [("e_integral", 1.0, dt, self.ki), ("e_past", 0.0, 1.0, -slope)]
         memory = [state for state in memory if state[-1] != 0.0]
-        return control.ss(
+        matrices = (
             np.diag([kept for _, kept, _, _ in memory]),
             [[added, 0.0] if measured else [added] for _, _, added, _ in memory],
             [[gain for _, _, _, gain in memory]],
             [[direct, self.kr] if measured else [direct]],
+        )
+        return linear_system(
+            matrices,
             dt,
             inputs=["e", "e_rate"] if measured else ["e"],
             outputs=["u_feedback"],
@@ -187,13 +189,15 @@ def design_pid(
     """
     moment = (inertia if isinstance(inertia, Inertia) else Inertia(inertia)).J
     omega = 2.0 * pi * positive("crossover_hz", crossover_hz)
-    phase = radians(finite("phase_margin_deg", phase_margin_deg))
+    phase_margin_deg = finite("phase_margin_deg", phase_margin_deg)
+    phase = radians(phase_margin_deg)
     if not 0.0 < phase < 0.5 * pi:
         raise ValueError(
             f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
             "between 0 and 90 deg (both excluded)"
         )
-    if not abs(finite("lower_gain_margin_db", lower_gain_margin_db)) <= _MOST_DB:
+    lower_gain_margin_db = finite("lower_gain_margin_db", lower_gain_margin_db)
+    if abs(lower_gain_margin_db) > _MOST_DB:
         raise ValueError(
             f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected at most {_MOST_DB:g} dB"
         )
@@ -214,7 +218,7 @@ def design_pid(
         kp = moment * omega**2 * cos(phase)
         kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
         ki = kr * (kp / (moment * factor))
-    except ArithmeticError:
+    except OverflowError:
         kp = ki = kr = inf
     if not all(0.0 < gain < inf for gain in (kp, ki, kr)):
         raise ValueError(

@@ -13,6 +13,8 @@ from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
+from ..shaping.real_numbers import real_array
+from .linear_system import static_gain
 
 if TYPE_CHECKING:
     import control
@@ -171,15 +173,24 @@ def state_space(system: Any) -> control.StateSpace:
             f"got {type(system).__name__}: expected a python-control StateSpace or "
             "TransferFunction; linearise a nonlinear system first (control.linearize)"
         )
-    for numerator, denominator in zip(
-        np.ravel(system.num_array), np.ravel(system.den_array), strict=True
-    ):
-        if len(np.trim_zeros(numerator, "f")) > len(np.trim_zeros(denominator, "f")):
-            raise ValueError(
-                "improper transfer function: feed it a derivative of the trajectory instead "
-                "(derivatives=…), one power of s less for each"
-            )
-    return control.ss(system)
+    degrees = [
+        tuple(len(np.trim_zeros(part, "f")) - 1 for part in fraction)
+        for fraction in zip(np.ravel(system.num_array), np.ravel(system.den_array), strict=True)
+    ]
+    if any(above > below for above, below in degrees):
+        raise ValueError(
+            "improper transfer function: feed it a derivative of the trajectory instead "
+            "(derivatives=…), one power of s less for each"
+        )
+    if any(below for _, below in degrees):
+        return control.ss(system)
+    return static_gain(
+        system(1.0, squeeze=False).real,
+        system.dt,
+        inputs=system.input_labels,
+        outputs=system.output_labels,
+        name=system.name,
+    )
 
 
 def _check_timebase(plant: control.StateSpace, dt: float) -> None:
@@ -190,7 +201,7 @@ def _check_timebase(plant: control.StateSpace, dt: float) -> None:
 def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:
     if initial is None:
         return np.zeros(plant.nstates)
-    state = np.asarray(initial, dtype=float)
+    state = real_array("initial_state", initial)
     if state.shape != (plant.nstates,) or not np.isfinite(state).all():
         raise ValueError(
             f"initial_state {initial!r}: expected {plant.nstates} finite numbers, "

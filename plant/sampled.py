@@ -9,6 +9,7 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
+from .linear_system import linear_system
 from .respond import state_space
 
 if TYPE_CHECKING:
@@ -78,8 +79,6 @@ def zero_order_hold(
     >>> held.B.ravel().tolist()
     [0.125, 0.5, 1.0]
     """
-    import control
-
     plant = _continuous(system)
     dt = positive("dt", dt)
     whole, rest = _in_samples(delay, dt)
@@ -89,8 +88,9 @@ def zero_order_hold(
             f"within dt = {dt!r} the response leaves the range of a double: use a smaller dt"
         )
     past = whole + (rest > 0.0)
-    return control.ss(
-        *(*matrices, dt),
+    return linear_system(
+        matrices,
+        dt,
         inputs=plant.input_labels,
         outputs=plant.output_labels,
         states=plant.state_labels
@@ -152,14 +152,15 @@ def _continuous(system: Any) -> control.StateSpace:
 
 def _in_samples(delay: float, dt: float) -> tuple[int, float]:
     """Return m and θ of delay = m·dt + θ, 0 ≤ θ < dt."""
-    if not finite("delay", delay) >= 0.0:
+    delay = finite("delay", delay)
+    if delay < 0.0:
         raise ValueError(f"delay = {delay!r}: expected a number ≥ 0")
     if delay > MAX_DELAY * dt:
         raise ValueError(
-            f"delay = {delay!r} is {float(delay) / dt:.4g} samples of dt = {dt!r}: expected at "
+            f"delay = {delay!r} is {delay / dt:.4g} samples of dt = {dt!r}: expected at "
             f"most {MAX_DELAY}; use a larger dt"
         )
-    samples = float(delay) / dt
+    samples = delay / dt
     whole = round(samples)
     if abs(samples - whole) <= _ON_SAMPLE * max(whole, 1):
         return whole, 0.0

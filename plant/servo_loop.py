@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..shaping import JerkFilter, Trajectory
-from ..shaping.checks import positive
+from ..shaping.checks import finite, positive
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from .feedforward import InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
+from .linear_system import static_gain
 from .pid import PID, Rate
 from .respond import respond_on_grid
 from .sampled import loop_behind
@@ -79,7 +81,7 @@ class LoopResponse:
         Infinite where the response ends outside it. Between samples the crossing is taken on
         the straight line, so its error falls with dt².
         """
-        excess = np.abs(self.position - target) - positive("tolerance", tolerance)
+        excess = np.abs(self.position - finite("target", target)) - positive("tolerance", tolerance)
         outside = np.flatnonzero(excess > 0.0)
         if not outside.size:
             return 0.0
@@ -92,7 +94,7 @@ class LoopResponse:
 
 
 @dataclass(frozen=True)
-class ServoLoop:
+class ServoLoop(Frozen):
     """A plant under feedback, with feedforward of the command's acceleration.
 
         y/r = g·(k + f)/(1 + g·k)
@@ -197,9 +199,9 @@ class ServoLoop:
                 plant,
                 self.controller.system(),
                 self._feedforward.system(),
-                control.summing_junction(["r", "-y"], "e", name="error"),
-                control.summing_junction(["r_rate", "-y_rate"], "e_rate", name="error_rate"),
-                control.summing_junction(["u_feedback", "u_feedforward"], "u", name="torque"),
+                _sum([1.0, -1.0], ["r", "y"], "e"),
+                _sum([1.0, -1.0], ["r_rate", "y_rate"], "e_rate"),
+                _sum([1.0, 1.0], ["u_feedback", "u_feedforward"], "u"),
             ],
             inplist=["r", "r_rate", "r_acceleration"],
             outlist=outputs,
@@ -268,6 +270,10 @@ class ServoLoop:
         for row in (outputs[0], states[0], inputs[0], *outputs[3:4]):
             row += start
         return LoopResponse(time, inputs, outputs, states)
+
+
+def _sum(signs: list[float], parts: list[str], whole: str) -> control.StateSpace:
+    return static_gain([signs], inputs=parts, outputs=[whole], name=f"sum_{whole}")
 
 
 def _filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArray:

@@ -15,7 +15,7 @@ from .trajectory import Trajectory
 if TYPE_CHECKING:
     from .batches.many_moves import min_time_moves
     from .batches.move_batch import MoveBatch
-    from .followers.follower import CommandFollower, FollowerResponse
+    from .followers import CommandFollower, FollowerResponse
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
     from .transfers.batch import TransferBatch, min_time_transfers
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 # Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
 _LATER = {
     "Certificate": "optimal.certificate",
-    "CommandFollower": "followers.follower",
-    "FollowerResponse": "followers.follower",
+    "CommandFollower": "followers",
+    "FollowerResponse": "followers",
     "InfeasibleError": "transfers.infeasible",
     "MoveBatch": "batches.move_batch",
     "SCurveMove": "transfers.s_curve",

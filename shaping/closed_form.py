@@ -155,6 +155,8 @@ def spline_span(peak: float, inner: Sequence[float]) -> tuple[float, float]:
     span = full
     for i, c in enumerate(spline_peaks(m), start=1):
         span = max(span, (c * divisor * peak / inner[i - 1]) ** (1.0 / i))
+    if not (span**m):
+        raise OverflowError
     return span, inner[-1] if span == full else peak * divisor / span**m
 
 
@@ -254,6 +256,8 @@ def _solve_width(target: float, span: float, q: int) -> float:
         return target
     if q == 1:
         return 2.0 * target / (span + sqrt(span * span + 4.0 * target))
+    if not (span**q):
+        raise OverflowError
     width = float(min(target ** (1.0 / (q + 1)), target / span**q))
     while True:
         outer = span + width

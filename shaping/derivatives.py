@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from operator import index
 
+from .real_numbers import shown
+
 DERIVATIVE_NAMES = ("position", "velocity", "acceleration", "jerk", "snap", "crackle", "pop")
 """Names by derivative number: 0 position, 1 velocity, … 6 pop."""
 
@@ -30,7 +32,13 @@ def derivative_number(derivative: int | str) -> int:
                 f"{', '.join(DERIVATIVE_NAMES)}"
             )
         return DERIVATIVE_NAMES.index(derivative)
-    number = index(derivative)
+    try:
+        number = index(derivative)
+    except TypeError:
+        raise TypeError(
+            f"derivative {shown(derivative)}: expected a whole number or one of "
+            f"{', '.join(DERIVATIVE_NAMES)}"
+        ) from None
     if number < 0:
         raise ValueError(f"derivative {number}: expected 0 (position) or more")
     return number

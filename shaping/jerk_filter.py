@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from math import comb, log, pi
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .checks import positive, whole
 from .pieces import FloatArray
 from .propagate import grid, inputs_on_grid, propagate
+from .real_numbers import real_array, real_number
 from .trajectory import Trajectory
 
 MAX_FILTER_ORDER = 50
@@ -79,17 +81,18 @@ class JerkFilter:
         tolerance : float
             Fraction of the step, between 0 and 1.
         """
-        if not 0.0 < tolerance < 1.0:
+        share = real_number("tolerance", tolerance)
+        if not 0.0 < share < 1.0:
             raise ValueError(f"tolerance = {tolerance!r}: expected a fraction between 0 and 1")
         from scipy.special import gammainccinv
 
-        return float(gammainccinv(self.order, tolerance)) / self.omega
+        return float(gammainccinv(self.order, share)) / self.omega
 
-    def step_response(self, t: FloatArray | float) -> FloatArray:
+    def step_response(self, t: ArrayLike) -> FloatArray:
         """Return the response to a unit step at time 0: P(m, ωt), and 0 before."""
         from scipy.special import gammainc
 
-        return np.asarray(gammainc(self.order, self.omega * np.maximum(t, 0.0)))
+        return np.asarray(gammainc(self.order, self.omega * np.maximum(real_array("t", t), 0.0)))
 
     def state_space(self) -> tuple[FloatArray, FloatArray]:
         """Return (A, b) of z' = A·z + b·r; z_j is the output of lag j, the last one f's."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sized
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, isinf
 
+import numpy as np
+
 from .derivatives import derivative_name, derivative_number
+from .real_numbers import real_array, shown
 
 Bound = float | tuple[float, float]
 """A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
@@ -86,6 +90,11 @@ class Limits:
         """Highest bounded derivative."""
         return len(self.upper)
 
+    @cached_property
+    def flat(self) -> tuple[float, ...]:
+        """Lower and upper bound of each derivative in turn, velocity first."""
+        return tuple(side for pair in zip(self.lower, self.upper, strict=True) for side in pair)
+
     @property
     def symmetric(self) -> bool:
         """Whether every bound is the same in both directions."""
@@ -124,19 +133,18 @@ def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
     if bound is None:
         return -inf, inf
     try:
-        sides = tuple(bound) if isinstance(bound, Sized) else (bound, bound)
-        if len(sides) != 2 or any(isinstance(side, str | bool) for side in sides):
-            raise TypeError
-        low, high = (float(side) for side in sides)
-        low = low if isinstance(bound, Sized) else -high
-    except (TypeError, ValueError):
+        sides = real_array("bound", bound)
+    except TypeError:
+        sides = np.empty(0)
+    if sides.shape not in ((), (2,)):
         raise TypeError(
-            f"{derivative_name(k)} limit {bound!r}: expected a positive number or a pair "
+            f"{derivative_name(k)} limit {shown(bound)}: expected a positive number or a pair "
             "(lower, upper) of numbers"
-        ) from None
+        )
+    low, high = sides.tolist() if sides.ndim else (-float(sides), float(sides))
     if not low < 0.0 < high:
         raise ValueError(
-            f"{derivative_name(k)} limit {bound!r}: expected a positive number or a pair "
+            f"{derivative_name(k)} limit {shown(bound)}: expected a positive number or a pair "
             "(lower, upper) with lower < 0 < upper; leave it out where there is no limit"
         )
     return low, high

@@ -77,6 +77,8 @@ def _order_3(distance: float, up: _Ramp, cruise: float, down: _Ramp) -> list[Pie
     v, a, d = up.velocity, up.acceleration, down.acceleration
     x1, v1 = up.after_rise()
     x2, v2 = up.after_hold()
+    if not (up.rise and up.fall):
+        raise OverflowError
     rising, falling = a / up.rise, -a / up.fall
     pieces: list[Piece] = [(up.rise, (0.0, 0.0, 0.0, rising))]
     if up.hold > 0.0:

@@ -82,6 +82,8 @@ def min_jerk_move(
 
 
 def _quintic(start: float, distance: float, time: float) -> Trajectory:
+    if not (time**3):
+        raise OverflowError
     jerk = 60.0 * distance / time**3
     state = [start, 0.0, 0.0, jerk, -6.0 * jerk / time, 12.0 * jerk / time**2]
     if not all(map(isfinite, state)):

@@ -253,9 +253,10 @@ def bound_for_rise_time(acceleration: float, rise_time: float, order: int) -> fl
     rise_time = positive("rise_time", rise_time)
     order = whole("order", order, 3, MAX_ORDER)
     try:
-        bound = acceleration * spline_divisor(order - 2) / rise_time ** (order - 2)
-    except ArithmeticError:
-        bound = inf
+        power = rise_time ** (order - 2)
+    except OverflowError:
+        power = inf
+    bound = acceleration * spline_divisor(order - 2) / power if power else inf
     if not 0.0 < bound < inf:
         raise ValueError(
             f"rise_time = {rise_time!r}: the bound on derivative {order} leaves the range of a "

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..core.binding import Pieces
-from .checks import finite, in_range, positive
+from .checks import finite, in_range, positive, whole
 from .derivatives import derivative_name, derivative_number
+from .frozen import Frozen
 from .limits import Limits
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
+from .real_numbers import real_array
 from .trajectory_checks import check_shapes, check_times, finite_array
 
 if TYPE_CHECKING:
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Frozen):
     """Position as a piecewise polynomial in Taylor form.
 
     On piece i, with τ = t − breaks[i],
@@ -86,8 +88,8 @@ class Trajectory:
                 f"end_state has shape {end.shape}: expected {rows.shape[1:]}, "
                 "position and one value per derivative"
             )
-        if coasting is not None and not -1 <= coasting < rows.shape[1] - 1:
-            raise ValueError(f"coasting = {coasting!r}: expected -1 to {rows.shape[1] - 2}")
+        if coasting is not None:
+            coasting = whole("coasting", coasting, -1, rows.shape[1] - 2)
         self._fill(times, rows, lengths, end, coasting)
 
     @classmethod
@@ -165,6 +167,8 @@ class Trajectory:
         float or array of the shape of t
             At a break the value just after it.
         """
+        if type(t) is not float:
+            t = real_array("t", t)
         return self._pieces.at(t, derivative_number(derivative))
 
     def evaluate(
@@ -188,7 +192,7 @@ class Trajectory:
         k = self.order if highest is None else derivative_number(highest)
         if k > self.order:
             raise ValueError(f"highest = {highest!r}: expected at most {self.order}")
-        return self._pieces.up_to(t, k, out)
+        return self._pieces.up_to(real_array("t", t), k, out)
 
     def sample(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Sample position and all derivatives at a fixed interval, both ends included.
@@ -350,7 +354,8 @@ class Trajectory:
         ValueError
             For a time before the start.
         """
-        if not self.start_time <= finite("time", time):
+        time = finite("time", time)
+        if time < self.start_time:
             raise ValueError(
                 f"time = {time!r} is before the start: expected at least {self.start_time!r}"
             )
@@ -396,7 +401,8 @@ class Trajectory:
         ValueError
             Where a derivative would jump that does not jump in either part.
         """
-        if not 0.0 <= dwell < np.inf:
+        dwell = finite("dwell", dwell)
+        if dwell < 0.0:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
         n = max(self.order, following.order)
         if dwell > 0.0:
@@ -423,7 +429,7 @@ class Trajectory:
         time_unit: str = "s",
         scale: float = 1.0,
     ) -> Figure:
-        """Return a picture: position and every derivative, coloured where its limit is active.
+        """Draw a picture: position and every derivative, coloured where its limit is active.
 
         Parameters
         ----------
@@ -439,7 +445,8 @@ class Trajectory:
         Returns
         -------
         Figure
-            Of matplotlib, as `jounce.analysis.plots.plot_trajectory` draws it.
+            As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
+            empty, else a new one of pyplot's.
 
         Raises
         ------
@@ -466,14 +473,6 @@ class Trajectory:
             if not np.isfinite(values).all():
                 raise ValueError("the result leaves the range of a double")
         return Trajectory.from_arrays(breaks, states, self.durations, end_state, self.coasting)
-
-    def __getstate__(self) -> dict[str, object]:
-        return {name: value for name, value in vars(self).items() if name != "_pieces"}
-
-    def __setstate__(self, fields: dict[str, object]) -> None:
-        self.__dict__.update(fields)
-        for array in (self.breaks, self.states, self.durations, self.end_state):
-            array.flags.writeable = False
 
     @cached_property
     def _pieces(self) -> Pieces:

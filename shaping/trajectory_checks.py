@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .pieces import MAX_ORDER, FloatArray
+from .real_numbers import real_array
 
 
 def finite_array(name: str, values: ArrayLike | None) -> FloatArray:
     """Return a copy as an array of floats; ValueError unless all are finite."""
-    array = np.array(values, dtype=float)
+    array = np.array(real_array(name, values))
     wrong = np.argwhere(~np.isfinite(array))
     if len(wrong):
         where = ", ".join(str(i) for i in wrong[0])

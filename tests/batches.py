@@ -8,8 +8,6 @@ import numpy as np
 from strategies import TransferProblem
 
 from jounce.shaping import InfeasibleError, TransferBatch, min_time_transfers
-from jounce.shaping.transfers.batch_tasks import Tasks
-from jounce.shaping.transfers.task import Task
 
 
 def edge_transfers(seed, order: int, count: int) -> list[TransferProblem]:
@@ -65,13 +63,3 @@ def _answer(problem: TransferProblem) -> tuple[float, float]:
     except InfeasibleError:
         return np.nan, np.nan
     return transfer.duration, transfer.inside_after
-
-
-def stacked(tasks) -> Tasks:
-    """Return tasks as one of arrays."""
-    return Task(*(np.array(field) for field in zip(*tasks, strict=True)))
-
-
-def unstacked(tasks: Tasks) -> list[Task]:
-    """Return a task of arrays as a list."""
-    return [Task(*values) for values in zip(*(field.tolist() for field in tasks), strict=True)]

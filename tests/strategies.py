@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from jounce.shaping import CommandFollower, Limits, Trajectory, Transfer, min_time_transfer
-from jounce.shaping.transfers.task import Task
+from jounce.shaping.transfers.problem import Problem
 
 MAGNITUDES = st.floats(-3.0, 3.0).map(lambda exponent: 10.0**exponent)
 UNIT_FACTORS = st.sampled_from([1e-6, 1e-3, 1.0, 1e3, 1e6])
@@ -91,6 +91,10 @@ class TransferProblem:
             f"Limits.from_bounds({list(self.bounds)!r}))"
         )
 
+    def problem(self) -> Problem:
+        """Return what plans other motions of it than the fastest."""
+        return Problem(self.start, self.end, self.limits)
+
     def solve(self) -> Transfer:
         """Return the transfer."""
         return min_time_transfer(self.start, self.end, self.limits)
@@ -99,20 +103,6 @@ class TransferProblem:
     def limits(self) -> Limits:
         """The bounds as limits."""
         return Limits.from_bounds(self.bounds)
-
-    @property
-    def task(self) -> Task:
-        """The problem as plain numbers."""
-        (x0, v0, a0), (x1, v1, a1) = ((*s, 0.0)[:3] for s in (self.start, self.end))
-        pairs = [pair or (-inf, inf) for pair in (*self.bounds, None)]
-        return Task(x1 - x0, v0, a0, v1, a1, *pairs[0], *pairs[1], -pairs[2][0], pairs[2][1])
-
-    def trajectory(self, pieces) -> Trajectory:
-        """Return a planner's pieces as a trajectory to the problem's end."""
-        rounding = 1e-14 * sum(duration for duration, _ in pieces)
-        assert all(duration >= -rounding for duration, _ in pieces), (self, pieces)
-        lengths, states = zip(*[piece for piece in pieces if piece[0] > 0.0], strict=True)
-        return Trajectory(np.cumsum([0.0, *lengths]), states, lengths, (*self.end, 0.0))
 
     def mirrored(self) -> TransferProblem:
         """Return the problem in the opposite direction."""

@@ -34,3 +34,4 @@ def test_it_runs_without_warnings(path):
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert any("image/png" in o.get("data", {}) for o in outputs), "a notebook shows a picture"
     assert not [o.text for o in outputs if o.get("name") == "stderr"]
+    assert not [o.text for o in outputs if "HiGHS" in o.get("text", "")], "a library's banner"

@@ -246,7 +246,8 @@ def conformance(
             f"positions are all {float(position[0])!r}: at rest the readings do not show their "
             "own noise; give resolution=…"
         )
-    if finite("tolerance", tolerance) < 0.0:
+    tolerance = finite("tolerance", tolerance)
+    if tolerance < 0.0:
         raise ValueError(f"tolerance = {tolerance!r}: expected zero or more, such as 0.01 for 1 %")
     pieces = [part for part in parts(time) if given or np.ptp(position[part])]
     if not pieces:

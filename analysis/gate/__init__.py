@@ -3,5 +3,6 @@
 from .check import GateReport, check_scenario
 from .check_file import CheckError
 from .comparison import Row
+from .conditions import Change
 
-__all__ = ["CheckError", "GateReport", "Row", "check_scenario"]
+__all__ = ["Change", "CheckError", "GateReport", "Row", "check_scenario"]

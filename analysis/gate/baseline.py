@@ -1,10 +1,10 @@
-"""Baselines: every number of a scenario with its tolerance, stored as JSON."""
+"""Baselines: every number of a scenario with its tolerance and conditions, stored as JSON."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
@@ -12,9 +12,10 @@ from typing import Any
 
 from ..reading import read_json
 from ..scenario_messages import key_path
-from ..units import show
+from ..units import UnitError, conversion, show
 from .check_file import CheckError
-from .numbers import Key
+from .conditions import Conditions
+from .numbers import Key, is_position
 
 FORMAT = 1
 """Number of the layout, kept in the file under "jounce_baseline"."""
@@ -34,26 +35,26 @@ class Stored:
 
 @dataclass(frozen=True)
 class Baseline:
-    """The numbers of a scenario, or of a loop alone, whose `scenario` and unit are None."""
+    """The numbers of a scenario, or of a loop alone, whose `scenario` and unit are None.
+
+    `conditions` are what the numbers depend on; None in the file of a version that stored none.
+    """
 
     scenario: str | None
     position_unit: str | None
     numbers: Mapping[Key, Stored]
+    conditions: Conditions | None = None
 
     def text(self) -> str:
         """Return the file's text: keys sorted, a line for each number, floats in full precision."""
-        tree: dict[str, Any] = {}
-        for key, stored in self.numbers.items():
-            branch = tree
-            for part in key[:-1]:
-                branch = branch.setdefault(part, {})
-            branch[key[-1]] = stored
         content = {
             "jounce_baseline": FORMAT,
             "scenario": self.scenario,
             "position_unit": self.position_unit,
-            "numbers": tree,
+            "numbers": _tree(self.numbers),
         }
+        if self.conditions is not None:
+            content["conditions"] = _tree(self.conditions)
         return _json(content) + "\n"
 
     def write(self, path: Path) -> None:
@@ -98,9 +99,33 @@ def load_baseline(path: Path, *, anew: str = _UPDATE) -> Baseline:
             numbers[where[1:]] = Stored(value, float(entry["rtol"]), float(entry["atol"]))
     if not problems and not numbers:
         problems.append("numbers: holds none")
+    conditions = None
+    if "conditions" in content:
+        texts = _texts(content["conditions"], ("conditions",), problems)
+        conditions = MappingProxyType({where[1:]: text for where, text in texts})
     if problems:
         raise CheckError("\n".join(f"{path}: {problem}; {remedy}" for problem in problems))
-    return Baseline(names[0], names[1], MappingProxyType(numbers))
+    return Baseline(names[0], names[1], MappingProxyType(numbers), conditions)
+
+
+def in_unit(stored: Baseline, unit: str | None) -> Baseline:
+    """Return a baseline with positions in a unit; as it is, where it has another kind of unit."""
+    if unit is None or stored.position_unit in (None, unit):
+        return stored
+    try:
+        ratio = conversion(str(stored.position_unit), unit)
+    except UnitError:
+        return stored
+    numbers = {
+        key: _times(entry, ratio if is_position(key) else 1.0)
+        for key, entry in stored.numbers.items()
+    }
+    return replace(stored, position_unit=unit, numbers=MappingProxyType(numbers))
+
+
+def _times(stored: Stored, ratio: float) -> Stored:
+    value = None if stored.value is None else stored.value * ratio
+    return Stored(value, stored.rtol, stored.atol * ratio)
 
 
 def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None:
@@ -116,6 +141,39 @@ def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None
             f"{path}: is in {show(stored.position_unit)}, the scenario in {show(unit)}; "
             f"{_remedy(_UPDATE)}"
         )
+
+
+def stored_conditions(stored: Baseline, path: Path) -> Conditions:
+    """Return a baseline's conditions; CheckError for one that was stored without them."""
+    if stored.conditions is None:
+        raise CheckError(
+            f"{path}: was stored without the conditions of its numbers, so that none can be "
+            f"compared; see that the scenario asks what it should, and store it anew with {_UPDATE}"
+        )
+    return stored.conditions
+
+
+def _tree(values: Mapping[Key, object]) -> dict[str, Any]:
+    """Return values by key as tables within tables."""
+    tree: dict[str, Any] = {}
+    for key, value in values.items():
+        branch = tree
+        for part in key[:-1]:
+            branch = branch.setdefault(part, {})
+        branch[key[-1]] = value
+    return tree
+
+
+def _texts(value: object, where: Key, problems: list[str]) -> Iterator[tuple[Key, str]]:
+    """Yield the conditions: texts in tables within tables."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _texts(inner, (*where, name), problems)
+    elif isinstance(value, str) and len(where) > 1:
+        yield where, value
+    else:
+        accepted = "text" if len(where) > 1 else "a table"
+        problems.append(f"{key_path(where)}: {show(value)} is not {accepted}")
 
 
 def _remedy(anew: str) -> str:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from ..scenario import Scenario, load_scenario
+from ..scenario import Scenario, as_scenario
 from ..survey import Survey, UnstableLoopError, survey
-from .baseline import Baseline, check_origin, load_baseline
-from .check_file import CheckError, Checks, load_checks, read_check_file
+from .baseline import Baseline, check_origin, in_unit, load_baseline, stored_conditions
+from .check_file import CheckError, Checks, load_checks, wants_baseline
 from .comparison import FAILURES, NOTES, Row, compare, measured_baseline
-from .numbers import survey_numbers
+from .conditions import Change, changes, scenario_conditions
+from .numbers import is_position, survey_numbers
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,6 +36,12 @@ class GateReport:
         What was measured, to be stored; None where the loop is unstable.
     update : bool
         Whether the baseline is about to be replaced, so that only the bounds count.
+    changes : tuple of Change
+        What the numbers depend on and is not as it was stored: conditions, and the design.
+    missing : str
+        What to do about a baseline that is missing; empty where it is there, or need not be.
+    overrides : tuple of str
+        What was given in place of the file's own, as ``key = value``.
     """
 
     title: str
@@ -42,12 +51,20 @@ class GateReport:
     unstable: str = ""
     measured: Baseline | None = None
     update: bool = False
+    changes: tuple[Change, ...] = ()
+    missing: str = ""
+    overrides: tuple[str, ...] = ()
 
     @property
-    def failures(self) -> tuple[Row, ...]:
-        """The rows that fail: all that are out of bounds, worse, changed or gone."""
+    def entries(self) -> tuple[Row | Change, ...]:
+        """All that there is to show: what changed, then the rows."""
+        return (*self.changes, *self.rows)
+
+    @property
+    def failures(self) -> tuple[Row | Change, ...]:
+        """What fails: changed conditions, and rows out of bounds, worse, changed or gone."""
         failing = ("outside",) if self.update else FAILURES
-        return tuple(row for row in self.rows if row.verdict in failing)
+        return tuple(each for each in self.entries if each.verdict in failing)
 
     @property
     def notes(self) -> tuple[Row, ...]:
@@ -56,8 +73,8 @@ class GateReport:
 
     @property
     def passed(self) -> bool:
-        """Whether the loop is stable and no row fails."""
-        return not self.unstable and not self.failures
+        """Whether the loop is stable, its baseline there, and nothing fails."""
+        return not (self.unstable or self.missing or self.failures)
 
     def __repr__(self) -> str:
         return f"GateReport({self.title!r}, rows={len(self.rows)}, passed={self.passed})"
@@ -74,6 +91,7 @@ def check_scenario(
     baseline: str | Path | None = None,
     checks: str | Path | None = None,
     update: bool = False,
+    overrides: Mapping[str, Any] | None = None,
 ) -> GateReport:
     """Judge the numbers of a scenario by its check file and its baseline.
 
@@ -82,7 +100,7 @@ def check_scenario(
     scenario : Scenario, str or Path
         A scenario, or the path of its TOML file.
     baseline : str or Path, optional
-        The stored numbers. Default: ``<scenario>.baseline.json`` beside the scenario, if there.
+        The stored numbers. Default: ``<scenario>.baseline.json`` beside the scenario.
     checks : str or Path, optional
         Bounds and tolerances. Default: ``<scenario>.check.toml`` beside it, if there. A tolerance
         given to the number itself counts first, then the one stored in the baseline; the file's
@@ -90,12 +108,18 @@ def check_scenario(
     update : bool, optional
         Whether the baseline is about to be replaced: it need not be there, and only bounds
         count. The report's `measured` is what to store; nothing is written here.
+    overrides : mapping of str to object, optional
+        Values in place of the scenario file's, as `load_scenario` takes them. They are compared
+        like the file's own, and cannot be stored.
 
     Returns
     -------
     GateReport
         An improvement passes, with a note; a change for the worse, or in a number that has no
-        better side, fails. So does a number that is measured no more, and an unstable loop.
+        better side, fails. So does a number that is measured no more, an unstable loop, a
+        baseline that is missing though the check file does not say ``baseline = false``, and a
+        condition (what the scenario asks and what is given, all but its gains and its
+        feedforward's inertia) that is not as it was stored.
 
     Raises
     ------
@@ -105,19 +129,30 @@ def check_scenario(
     ValueError
         Where gains cannot be designed or a move cannot be planned or driven.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load_scenario(scenario)
-    stored_at = _there(baseline, baseline_beside(scenario.path), missing_is_fine=update)
+    scenario = as_scenario(scenario, overrides)
+    if update and scenario.overrides:
+        raise CheckError(
+            f"{scenario.path}: a baseline is of the file as it is, not of what overrides it "
+            f"({'; '.join(scenario.overrides)}); write that into the file, or store nothing"
+        )
+    beside = baseline_beside(scenario.path)
+    stored_at = _there(baseline, beside, missing_is_fine=update)
     checks_at = _there(checks, checks_beside(scenario.path))
-    if stored_at is None and checks_at is None and not update:
-        raise CheckError(_nothing_to_judge_by(scenario.path))
+    missing = _missing(scenario.path, stored_at, checks_at, update=update)
     stored = Baseline(scenario.title, scenario.position_unit, {}) if update else None
+    changed: tuple[Change, ...] = ()
+    unit_was = None
     if stored_at is not None:
-        stored = load_baseline(stored_at)
+        before = load_baseline(stored_at)
+        unit_was = None if update else before.position_unit
+        stored = in_unit(before, scenario.position_unit)
         check_origin(stored, stored_at, scenario.title, scenario.position_unit)
-    if checks_at is not None:
-        read_check_file(checks_at)  # before the work of the survey
-    return _report(scenario, stored, checks_at, update=update)
+        if not (update and stored.conditions is None):
+            changed = changes(stored_conditions(stored, stored_at), scenario_conditions(scenario))
+    report = _report(scenario, stored, checks_at, unit_was)
+    return replace(
+        report, update=update, changes=changed, missing=missing, overrides=scenario.overrides
+    )
 
 
 def baseline_beside(scenario: Path) -> Path:
@@ -131,18 +166,31 @@ def checks_beside(scenario: Path) -> Path:
 
 
 def _report(
-    scenario: Scenario, stored: Baseline | None, checks_at: Path | None, *, update: bool
+    scenario: Scenario, stored: Baseline | None, checks_at: Path | None, unit_was: str | None
 ) -> GateReport:
     title, unit = scenario.title, scenario.position_unit
     try:
         found: Survey = survey(scenario)
     except UnstableLoopError as error:
-        return GateReport(title, scenario.path, unit, (), unstable=str(error), update=update)
+        return GateReport(title, scenario.path, unit, (), unstable=str(error))
     numbers = survey_numbers(found)
     checks = Checks() if checks_at is None else load_checks(checks_at, numbers)
+    if unit_was not in (None, unit) and any(map(is_position, checks.requirements)):
+        raise CheckError(
+            f"{checks_at}: bounds positions in the scenario's unit, which was {unit_was} and is "
+            f'{unit}; write position_unit = "{unit_was}" into {scenario.path}, or the bounds in '
+            f"{unit} and store anew with --update"
+        )
+    measured = measured_baseline(
+        numbers,
+        stored,
+        checks,
+        scenario=title,
+        position_unit=unit,
+        conditions=scenario_conditions(scenario),
+    )
     rows = compare(numbers, stored, checks)
-    measured = measured_baseline(numbers, stored, checks, scenario=title, position_unit=unit)
-    return GateReport(title, scenario.path, unit, rows, measured=measured, update=update)
+    return GateReport(title, scenario.path, unit, rows, measured=measured)
 
 
 def _there(given: str | Path | None, beside: Path, *, missing_is_fine: bool = False) -> Path | None:
@@ -153,8 +201,30 @@ def _there(given: str | Path | None, beside: Path, *, missing_is_fine: bool = Fa
     return None if missing_is_fine and not path.exists() else path
 
 
+def _missing(
+    scenario: Path, stored_at: Path | None, checks_at: Path | None, *, update: bool
+) -> str:
+    """Return what to say of a baseline that is missing, or nothing; CheckError if none may be."""
+    if checks_at is not None and not wants_baseline(checks_at):
+        if update or stored_at is not None:
+            there = "--update is to store one" if update else f"{stored_at} is there"
+            remedy = "leave --update out" if update else "delete that file"
+            raise CheckError(
+                f"{checks_at}: says baseline = false, but {there}; remove the line, or {remedy}"
+            )
+        return ""
+    if update or stored_at is not None:
+        return ""
+    if checks_at is None:
+        raise CheckError(_nothing_to_judge_by(scenario))
+    return (
+        f"{baseline_beside(scenario)} is missing; store the numbers with --update, or write "
+        f"baseline = false into {checks_at}"
+    )
+
+
 def _nothing_to_judge_by(path: Path) -> str:
     return (
         f"{path}: there is nothing to judge it by; store its numbers with --update, or write "
-        f"bounds into {checks_beside(path)}"
+        f"bounds and baseline = false into {checks_beside(path)}"
     )

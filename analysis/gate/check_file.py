@@ -72,6 +72,8 @@ def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:
         file, the key, the value, and what to write.
     """
     content = read_check_file(path)
+    if isinstance(content.get("baseline"), bool):
+        del content["baseline"]
     problems: list[str] = []
     rtol = content.pop("rtol", None)
     if rtol is not None and (problem := _problem_of("rtol", rtol)):
@@ -103,6 +105,23 @@ def read_check_file(path: Path) -> dict[str, Any]:
         return read_toml(path, _WHAT)
     except ValueError as error:
         raise CheckError(str(error)) from None
+
+
+def wants_baseline(path: Path) -> bool:
+    """Return whether a check file's scenario is to have a baseline: ``baseline = false`` has none.
+
+    Raises
+    ------
+    CheckError
+        If the file cannot be read, or says of `baseline` what is neither true nor false.
+    """
+    said = read_check_file(path).get("baseline", True)
+    if isinstance(said, bool | dict):  # a table is what is asked of a number of that name
+        return said is not False
+    raise CheckError(
+        f"{path}: baseline: {show(said)} is neither true nor false; write baseline = false where "
+        "no numbers are stored, or leave it out"
+    )
 
 
 def _bare(

@@ -10,6 +10,7 @@ from typing import Literal
 from ..scenario_messages import key_path
 from .baseline import Baseline, Stored
 from .check_file import Checks, Requirement
+from .conditions import Conditions
 from .numbers import RTOL, Better, Key, Number, absent
 
 Verdict = Literal[
@@ -129,12 +130,13 @@ def measured_baseline(
     *,
     scenario: str | None = None,
     position_unit: str | None = None,
+    conditions: Conditions | None = None,
 ) -> Baseline:
-    """Return numbers as a baseline, each with its tolerances.
+    """Return numbers as a baseline, each with its tolerances, and with what they depend on.
 
-    They are those that the check file gives to the number itself, else those of the previous
-    baseline; for a number that is new, or whose relative tolerance was stored as the usual 1e-6,
-    that is the check file's `rtol` of all numbers, if it has one.
+    The tolerances are those that the check file gives to the number itself, else those of the
+    previous baseline; for a number that is new, or whose relative tolerance was stored as the
+    usual 1e-6, that is the check file's `rtol` of all numbers, if it has one.
     """
     before = {} if previous is None else previous.numbers
     stored = {}
@@ -145,7 +147,7 @@ def measured_baseline(
         rtol, atol = _tolerance(entry, checks.of(number.key))
         value = number.value if isfinite(number.value) else None
         stored[number.key] = Stored(value, rtol, atol)
-    return Baseline(scenario, position_unit, stored)
+    return Baseline(scenario, position_unit, stored, conditions)
 
 
 def _row(number: Number, baseline: Baseline | None, checks: Checks, *, two_sided: bool) -> Row:

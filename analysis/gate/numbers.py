@@ -37,6 +37,7 @@ _MARGINS: dict[str, Better] = {
     "complementary_peak": "lower",
     "bandwidth_hz": None,
 }
+_POSITIONS = ("peaks", "peak_error", "overshoot", "varied_peak_error", "residual_vibration")
 _STEP: dict[str, Better] = {
     "overshoot_percent": "lower",
     "peak_time_s": None,
@@ -79,6 +80,11 @@ class Number:
 def absent(better: Better) -> float:
     """Return how a number that does not exist, null in a baseline, counts in comparisons."""
     return nan if better is None else inf
+
+
+def is_position(key: Key) -> bool:
+    """Whether a number is a position or one of its derivatives, in the scenario's unit."""
+    return key[0] == "moves" and key[2:3] != () and key[2] in _POSITIONS
 
 
 def loop_numbers(margins: LoopMargins) -> tuple[Number, ...]:

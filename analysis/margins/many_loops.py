@@ -11,6 +11,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from ...plant import PID, Inertia
+from ...shaping.frozen import Frozen
 from ...shaping.trajectory_checks import finite_array
 from .batched_crossings import pieces_of, stable
 from .batched_loops import Mask, loops_of
@@ -26,7 +27,7 @@ _CHUNK = 4096  # loops whose arrays stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
-class ManyMargins:
+class ManyMargins(Frozen):
     """Margins of many negative-feedback loops, arrays of one shape, read-only.
 
     As in `LoopMargins`: what nothing limits is inf, and its frequency nan; a frequency is 0 or
@@ -100,7 +101,7 @@ class ManyMargins:
         margin : str, optional
             Name of the margin.
         ax : Axes, optional
-            Default: the Axes of a new figure, `ax.figure`.
+            Default: pyplot's current ones.
         levels : sequence of float, optional
             Of the contours; default: chosen to fit.
         xlabel, ylabel : str, optional
@@ -243,8 +244,6 @@ def servo_margins(
 
 
 def _coefficients(name: str, given: ArrayLike) -> Real:
-    if np.iscomplexobj(given):
-        raise TypeError(f"{name} is complex: expected real coefficients")
     rows = np.atleast_1d(finite_array(name, given))
     if not rows.shape[-1]:
         raise ValueError(f"{name} of shape {rows.shape} has no coefficients along its last axis")

@@ -1,4 +1,4 @@
-"""Pictures of results: each function takes a result and an Axes, draws, returns the Axes."""
+"""Pictures of results: each function takes a result, draws in the Axes given or pyplot's own."""
 
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation

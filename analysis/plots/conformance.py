@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...shaping.derivatives import derivative_name
-from .style import BLUE, RED, unit_label
+from .style import BLUE, RED, panels_figure, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,9 @@ _ERROR_BAR = "error bar, 95 %"
 _PIECES = 1500  # of a curve: each shows its least and its greatest, finer than a printed line
 
 
-def plot_conformance(result: Conformance, *, unit: str = "", time_unit: str = "s") -> Figure:
+def plot_conformance(
+    result: Conformance, *, unit: str = "", time_unit: str = "s", figure: Figure | None = None
+) -> Figure:
     """Return a picture of a log's conformance: velocity, acceleration and jerk, one panel each.
 
     Parameters
@@ -31,9 +33,12 @@ def plot_conformance(result: Conformance, *, unit: str = "", time_unit: str = "s
     result : Conformance
     unit, time_unit : str, optional
         For the labels.
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
     """
     count = len(result.bands)
-    figure = Figure(figsize=(8.0, 2.3 * count + 1.0), layout="constrained")
+    figure = panels_figure(figure, (8.0, 2.3 * count + 1.0))
     panels = figure.subplots(count, 1, sharex=True)
     for k, ax in enumerate(panels, start=1):
         plot_band(result, k, ax=ax)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from .style import BLUE, GREY, ORANGE, plain
+from .style import BLUE, GREY, ORANGE, panels_figure, plain
 
 if TYPE_CHECKING:
     from ...plant.fmu.cosimulation.cosimulation_result import CosimulationResult
@@ -20,6 +20,7 @@ def plot_cosimulation(
     signals: Sequence[str | Sequence[str]] | None = None,
     *,
     time_unit: str = "s",
+    figure: Figure | None = None,
 ) -> Figure:
     """Return a picture of a co-simulation: one panel per signal, or per group of signals.
 
@@ -33,6 +34,9 @@ def plot_cosimulation(
         Names "block.signal"; those grouped share a panel. Default: every output.
     time_unit : str, optional
         For the label.
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
 
     Raises
     ------
@@ -47,7 +51,7 @@ def plot_cosimulation(
             "[['plant.y', 'move.position'], 'controller.u']"
         )
     columns = [[result[name] for name in names] for names in panels]
-    figure = Figure(figsize=(8.0, 1.5 * len(panels) + 1.0), layout="constrained")
+    figure = panels_figure(figure, (8.0, 1.5 * len(panels) + 1.0))
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for ax, names, values in zip(axes, panels, columns, strict=True):
         for name, value, color in zip(names, values, _colors(len(names)), strict=True):

@@ -10,7 +10,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .style import BLUE, GREY, finish, unit_label
+from .style import BLUE, GREY, finish, panels_figure, single_axes, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,13 +22,18 @@ if TYPE_CHECKING:
 
     Row = tuple[FloatArray, FloatArray, str]
 
+_SIZE = (8.0, 4.0)  # inches, of a new figure
 _LABELS = 8  # of curves in a legend, about
 
 
 def plot_describing_function(
-    describing: DescribingFunction, *, lag: FirstOrderLag | None = None, time_unit: str = "s"
+    describing: DescribingFunction,
+    *,
+    lag: FirstOrderLag | None = None,
+    time_unit: str = "s",
+    figure: Figure | None = None,
 ) -> Axes:
-    """Draw gain and phase in a new figure, one above the other, and return the upper Axes.
+    """Draw gain and phase in a figure, one above the other, and return the upper Axes.
 
     Parameters
     ----------
@@ -39,8 +44,11 @@ def plot_describing_function(
         Its lags are drawn dashed.
     time_unit : str, optional
         For the label.
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
     """
-    figure = Figure(figsize=(8.0, 7.0), layout="constrained")
+    figure = panels_figure(figure, (8.0, 7.0))
     upper: Axes
     upper, lower = figure.subplots(2, 1, sharex=True)
     plot_describing_gain(describing, ax=upper, lag=lag, time_unit=time_unit)
@@ -52,11 +60,12 @@ def plot_describing_function(
 def plot_describing_gain(
     describing: DescribingFunction,
     *,
-    ax: Axes,
+    ax: Axes | None = None,
     lag: FirstOrderLag | None = None,
     time_unit: str = "s",
 ) -> Axes:
     """Draw the gain of a describing function; parameters as in `plot_describing_function`."""
+    ax = single_axes(ax, _SIZE)
     _draw(describing.gain_db, describing, ax)
     _draw_lags(describing, lag, ax, lambda response: 20.0 * np.log10(np.abs(response)))
     ax.legend(loc="lower left")
@@ -66,11 +75,12 @@ def plot_describing_gain(
 def plot_describing_phase(
     describing: DescribingFunction,
     *,
-    ax: Axes,
+    ax: Axes | None = None,
     lag: FirstOrderLag | None = None,
     time_unit: str = "s",
 ) -> Axes:
     """Draw the phase of a describing function; parameters as in `plot_describing_function`."""
+    ax = single_axes(ax, _SIZE)
     _draw(describing.phase_deg, describing, ax)
     _draw_lags(describing, lag, ax, lambda response: np.degrees(np.angle(response)))
     ax.yaxis.set_major_locator(MaxNLocator(steps=[1.5, 3.0, 4.5, 9.0]))
@@ -81,8 +91,8 @@ def plot_describing_phase(
 def plot_periodic_response(
     periodic: PeriodicResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
-    """Draw command and output over one period; without an Axes in a new figure."""
-    ax = Figure(figsize=(8.0, 4.0), layout="constrained").subplots() if ax is None else ax
+    """Draw command and output over one period; without an Axes in pyplot's current ones."""
+    ax = single_axes(ax, _SIZE)
     ax.plot(periodic.time, periodic.command, color=GREY, label="command")
     ax.plot(periodic.time, periodic.output, color=BLUE, label="output")
     ax.legend(loc="upper right")

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from ...shaping.trajectory_checks import finite_array
-from .style import BLUE, GREY, finish
+from .style import BLUE, GREY, finish, single_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,7 +65,7 @@ def plot_margin_contours(
     margin : str, optional
         Name of the margin.
     ax : Axes, optional
-        With the scales that it is to have; default: the Axes of a new figure, `ax.figure`.
+        With the scales that it is to have; default: pyplot's current ones.
     levels : sequence of float, optional
         Of the contours; default: chosen to fit.
     xlabel, ylabel : str, optional
@@ -91,7 +90,7 @@ def plot_margin_contours(
         )
     across, up = _axis("x", x, margins.shape[1]), _axis("y", y, margins.shape[0])
     values = np.asarray(getattr(margins, margin), dtype=float)
-    ax = Figure(layout="constrained").subplots() if ax is None else ax
+    ax = single_axes(ax, (6.4, 4.8))
     whole = Rectangle((0.0, 0.0), 1.0, 1.0, transform=ax.transAxes, zorder=0.0)
     whole.set(facecolor=_UNSTABLE, edgecolor=GREY, hatch=_HATCH, linewidth=0.0)
     ax.add_patch(whole)
@@ -134,7 +133,9 @@ def _contours(
     low, high = float(known.min()), float(known.max())
     if levels is None:
         levels = [float(level) for level in MaxNLocator(_INTERVALS).tick_values(low, high)]
-    inside = sorted({float(level) for level in levels if low < level < high})
+    inside = sorted(
+        {level for level in finite_array("levels", levels).ravel().tolist() if low < level < high}
+    )
     room = max(high - low, abs(high), np.finfo(float).tiny)
     _fill(ax, x, y, values, [low - room, *inside, high + room], None)
     if inside:

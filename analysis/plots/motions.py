@@ -14,13 +14,24 @@ from ...shaping import FollowerResponse, Limits, Trajectory, binding_limits
 from ...shaping.checks import positive
 from ...shaping.derivatives import derivative_name
 from ...shaping.optimal.binding import BINDING_RTOL
-from .style import BLUE, CURVE_POINTS, GREY, ORANGE, RED, curve_times, unit_label
+from .style import (
+    BLUE,
+    CURVE_POINTS,
+    GREY,
+    ORANGE,
+    RED,
+    curve_times,
+    panels_figure,
+    single_axes,
+    unit_label,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ...shaping.pieces import FloatArray
 
+_SIZE = (8.0, 4.5)  # inches, of a new figure
 _STYLES = ("-", "--", "-.", ":")
 _TOUCH_POINTS = 50  # a piece; a parabola from bound to bound is within 1e-3 for 2 % of its time
 
@@ -32,6 +43,7 @@ def plot_trajectory(
     unit: str = "",
     time_unit: str = "s",
     scale: float = 1.0,
+    figure: Figure | None = None,
 ) -> Figure:
     """Return a picture of a trajectory: position and every derivative, one panel each.
 
@@ -46,6 +58,9 @@ def plot_trajectory(
         For the labels.
     scale : float, optional
         Trajectory units per `unit`, positive.
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
 
     Returns
     -------
@@ -63,7 +78,7 @@ def plot_trajectory(
         raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
     scale = positive("scale", scale)
     rows = trajectory.order + 1
-    figure = Figure(figsize=(8.0, 1.6 * rows + 0.6), layout="constrained")
+    figure = panels_figure(figure, (8.0, 1.6 * rows + 0.6))
     panels = figure.subplots(rows, 1, sharex=True)
     time, marker = curve_times(trajectory), None if len(trajectory.states) else "o"
     for k, ax in enumerate(panels):
@@ -140,7 +155,7 @@ def plot_motions(
     motions: Mapping[str, Trajectory],
     derivative: int,
     *,
-    ax: Axes,
+    ax: Axes | None = None,
     unit: str = "",
     time_unit: str = "s",
 ) -> Axes:
@@ -150,10 +165,12 @@ def plot_motions(
     ----------
     motions : mapping of str to Trajectory
     derivative : int
-    ax : Axes
+    ax : Axes, optional
+        Default: pyplot's current ones.
     unit, time_unit : str, optional
         For the labels.
     """
+    ax = single_axes(ax, _SIZE)
     for (name, motion), style in zip(motions.items(), cycle(_STYLES), strict=False):
         time = curve_times(motion)
         ax.plot(time, motion(time, derivative), style, label=name)
@@ -164,10 +181,10 @@ def plot_motions(
 
 
 def plot_following(
-    response: FollowerResponse, *, ax: Axes, unit: str = "", time_unit: str = "s"
+    response: FollowerResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
     """Draw the commands as steps, and the position that follows them, against time."""
-    edges = np.concatenate([[0.0], response.time])
+    ax, edges = single_axes(ax, _SIZE), np.concatenate([[0.0], response.time])
     ax.stairs(response.commands, edges, color=GREY, baseline=None, label="command")
     ax.plot(response.time, response.states[0], color=BLUE, label="position")
     ax.set_xlabel(f"time [{time_unit}]")
@@ -177,9 +194,10 @@ def plot_following(
 
 
 def plot_phase_plane(
-    response: FollowerResponse, *, ax: Axes, unit: str = "", time_unit: str = "s"
+    response: FollowerResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
     """Draw velocity against position, and where the command changed (Thompson, Figure 2c)."""
+    ax = single_axes(ax, _SIZE)
     position, velocity = response.states[:2]
     ax.plot(position, velocity, color=BLUE)
     changed = 1 + np.flatnonzero(np.diff(response.commands))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import BLUE, GREY, ORANGE, finish
+from ...shaping.checks import finite, positive
+from .style import BLUE, GREY, ORANGE, finish, panels_figure, single_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ...shaping.pieces import FloatArray
     from ..shapers import CascadedLags, FrequencyResponse, NullBySize, VibrationMap
 
+_SIZE = (8.0, 5.5)  # inches, of a new figure
 _STYLES = ("-", "--", "-.", ":")
 _DECADE = 10.0  # a range this wide is drawn on a logarithmic axis
 _LARGEST_ERROR_DB = 20.0
@@ -25,7 +27,7 @@ _LARGEST_ERROR_DB = 20.0
 def plot_frequency_responses(
     responses: Mapping[str, FrequencyResponse],
     *,
-    ax: Axes,
+    ax: Axes | None = None,
     duration: float | None = None,
     lowest_db: float = -120.0,
     time_unit: str = "s",
@@ -36,7 +38,8 @@ def plot_frequency_responses(
     ----------
     responses : mapping of str to FrequencyResponse
         Drawn where their frequencies are positive.
-    ax : Axes
+    ax : Axes, optional
+        Default: pyplot's current ones.
     duration : float, optional
         Count frequencies in cycles per this duration.
     lowest_db : float, optional
@@ -44,7 +47,8 @@ def plot_frequency_responses(
     time_unit : str, optional
         For the label.
     """
-    cycles = 1.0 if duration is None else duration
+    ax, cycles = single_axes(ax, _SIZE), 1.0 if duration is None else positive("duration", duration)
+    lowest_db = finite("lowest_db", lowest_db)
     for (name, response), style in zip(responses.items(), cycle(_STYLES), strict=False):
         shown = response.omega > 0.0
         frequency = response.omega[shown] * cycles / (2.0 * np.pi)
@@ -69,13 +73,13 @@ def plot_vibration_map(
     ----------
     vibration : VibrationMap
     ax : Axes, optional
-        Default: of a new figure.
+        Default: pyplot's current ones.
     unit, time_unit : str, optional
         For the labels.
     lowest_db : float, optional
         What is lower has the colour of this.
     """
-    ax = _axes(ax)
+    ax, lowest_db = single_axes(ax, _SIZE), finite("lowest_db", lowest_db)
     rows, columns = np.argsort(np.abs(vibration.distances)), np.argsort(vibration.frequencies_hz)
     with np.errstate(divide="ignore"):
         level = 20.0 * np.log10(vibration.relative[np.ix_(rows, columns)])
@@ -104,7 +108,7 @@ def plot_vibration_map(
 def plot_vibration_by_size(
     vibration: VibrationMap,
     *,
-    ax: Axes,
+    ax: Axes | None = None,
     unit: str = "",
     time_unit: str = "s",
     lowest_percent: float = 1e-3,
@@ -115,13 +119,15 @@ def plot_vibration_by_size(
     ----------
     vibration : VibrationMap
         With the few frequencies that are to be drawn.
-    ax : Axes
+    ax : Axes, optional
+        Default: pyplot's current ones.
     unit, time_unit : str, optional
         For the labels.
     lowest_percent : float, optional
         Lower end of the axis: a null has no bottom.
     """
-    rows = np.argsort(np.abs(vibration.distances))
+    lowest_percent = positive("lowest_percent", lowest_percent)
+    ax, rows = single_axes(ax, _SIZE), np.argsort(np.abs(vibration.distances))
     distances, relative = np.abs(vibration.distances[rows]), vibration.relative[rows]
     name = "Hz" if time_unit == "s" else f"/{time_unit}"
     for frequency, column, style in zip(
@@ -140,7 +146,7 @@ def plot_null_by_size(
     nulls: NullBySize, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
     """Draw the null nearest to a frequency over the distance, and whether it stays or moves."""
-    ax = _axes(ax)
+    ax = single_axes(ax, _SIZE)
     distances = np.abs(nulls.distances)
     for chosen, color, marker, name in (
         (nulls.stays, BLUE, "o", "stays"),
@@ -153,9 +159,21 @@ def plot_null_by_size(
     return finish(ax, "Null by move size", _distance(unit), "nearest null: " + _hz(time_unit))
 
 
-def plot_cascaded_lags(result: CascadedLags, *, time_unit: str = "s") -> Figure:
-    """Return a picture of a shaper's gain, that of the lags, and the error between them."""
-    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+def plot_cascaded_lags(
+    result: CascadedLags, *, time_unit: str = "s", figure: Figure | None = None
+) -> Figure:
+    """Return a picture of a shaper's gain, that of the lags, and the error between them.
+
+    Parameters
+    ----------
+    result : CascadedLags
+    time_unit : str, optional
+        For the label.
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
+    """
+    figure = panels_figure(figure, (8.0, 6.0))
     gains, errors = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     shown = result.exact.omega > 0.0
     frequency = result.exact.omega[shown] / (2.0 * np.pi)
@@ -178,12 +196,6 @@ def plot_cascaded_lags(result: CascadedLags, *, time_unit: str = "s") -> Figure:
     finish(errors, title, _hz(time_unit), "lags / exact [dB]")
     figure.align_ylabels([gains, errors])
     return figure
-
-
-def _axes(ax: Axes | None) -> Axes:
-    if ax is not None:
-        return ax
-    return Figure(figsize=(8.0, 5.5), layout="constrained").subplots()
 
 
 def _scale(ax: Axes, horizontal: FloatArray, vertical: FloatArray | None) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ...shaping import Trajectory
     from ...shaping.pieces import FloatArray
@@ -19,6 +20,38 @@ ORDER_COLORS = {2: RED, 3: PURPLE, 4: GREEN, 5: ORANGE, 6: BLUE}
 
 CURVE_POINTS = 400
 """Points of a curve, at least: smooth at any size of paper."""
+
+
+def panels_figure(
+    figure: Figure | None,
+    size: tuple[float, float],
+    layout: Literal["constrained", "none"] = "constrained",
+) -> Figure:
+    """Return the figure that a picture of several panels is drawn in.
+
+    One that is given gets the size that the picture needs. Default: pyplot's current figure if
+    nothing is drawn in it yet, else a new one of pyplot's, so that nothing is drawn over.
+    """
+    if figure is None:
+        from matplotlib import pyplot
+
+        drawn = not pyplot.get_fignums() or pyplot.gcf().get_children()[1:]  # but its background
+        figure = pyplot.figure(figsize=size) if drawn else pyplot.gcf()
+    else:
+        figure.set_size_inches(size)
+    figure.set_layout_engine(layout)
+    return figure
+
+
+def single_axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
+    """Return the Axes given, else pyplot's current ones; those of a new figure of this size."""
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    if not pyplot.get_fignums():
+        pyplot.figure(figsize=size, layout="constrained")
+    return pyplot.gca()
 
 
 def curve_times(trajectory: Trajectory) -> FloatArray:

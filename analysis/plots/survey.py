@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish, plain
+from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,9 +20,17 @@ if TYPE_CHECKING:
     from ..survey import MoveSurvey, Survey
 
 
-def plot_survey(survey: Survey) -> Figure:
-    """Return the survey of a loop on one page: loop, closed loop, step, first move, wrong Ĵ."""
-    figure = Figure(figsize=(15.0, 11.0))
+def plot_survey(survey: Survey, *, figure: Figure | None = None) -> Figure:
+    """Return the survey of a loop on one page: loop, closed loop, step, first move, wrong Ĵ.
+
+    Parameters
+    ----------
+    survey : Survey
+    figure : Figure, optional
+        To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
+        a new one of pyplot's.
+    """
+    figure = panels_figure(figure, (15.0, 11.0), layout="none")
     axes = figure.subplots(3, 3)
     figure.subplots_adjust(0.055, 0.055, 0.985, 0.91, wspace=0.24, hspace=0.33)
     move = survey.moves[0]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import CommandFollower, Limits
 from ...shaping.checks import finite
+from ...shaping.frozen import Frozen
 from .periodic import (
     follower_cycle,
     follower_harmonic,
@@ -30,7 +31,7 @@ _NEARLY = 0.01  # how far from repeating a few sampled followers may remain
 
 
 @dataclass(frozen=True, eq=False)
-class DescribingFunction:
+class DescribingFunction(Frozen):
     """N(A, ω): first harmonic of the output over the sine A·sin ωt that is put in.
 
     Attributes
@@ -57,7 +58,7 @@ class DescribingFunction:
         return np.asarray(np.where(phase > 90.0, phase - 360.0, phase))
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the gain over frequency, without an Axes in a new figure with the phase below."""
+        """Draw the gain over frequency; without an Axes in pyplot's figure, the phase below."""
         from ..plots.describing import plot_describing_function, plot_describing_gain
 
         return plot_describing_function(self) if ax is None else plot_describing_gain(self, ax=ax)
@@ -179,7 +180,7 @@ class PeriodicResponse:
     output: FloatArray
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw command and output over time; without an Axes in a new figure."""
+        """Draw command and output over time; without an Axes in pyplot's current ones."""
         from ..plots.describing import plot_periodic_response
 
         return plot_periodic_response(self, ax=ax)

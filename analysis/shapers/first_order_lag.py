@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
+from ...shaping.frozen import Frozen
+from ...shaping.real_numbers import real_array
 from .periodic import TRIANGLE, rate_limited_harmonic
 from .sine_sweep import checked_sweep
 
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class FirstOrderLag:
+class FirstOrderLag(Frozen):
     """The lags L = 1/(1 + jω/ω_c) that come nearest to a describing function, one per amplitude.
 
     Attributes
@@ -40,7 +42,8 @@ class FirstOrderLag:
 
     def response(self, omega: ArrayLike) -> ComplexArray:
         """Return the lags at frequencies (N,), shape (…, N)."""
-        return np.asarray(1.0 / (1.0 + 1j * np.asarray(omega) / self.corner_omega[..., None]))
+        turns = real_array("omega", omega) / self.corner_omega[..., None]
+        return np.asarray(1.0 / (1.0 + 1j * turns))
 
     def __repr__(self) -> str:
         return f"FirstOrderLag(amplitudes={self.amplitude.size})"

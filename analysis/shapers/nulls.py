@@ -70,7 +70,7 @@ class NullBySize:
         return np.asarray(np.abs(self.exponent) < _STAYS)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the null over the distance; without an Axes in a new figure."""
+        """Draw the null over the distance; without an Axes in pyplot's current ones."""
         from ..plots.shapers import plot_null_by_size
 
         return plot_null_by_size(self, ax=ax)

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...shaping import CommandFollower, Limits
-from ...shaping.followers.approach import approach
-from ...shaping.transfers.task import Task
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -258,32 +256,33 @@ def follower_states(
     state: FloatArray, bounds: FloatArray, count: int, with_velocity: bool
 ) -> FloatArray:
     """Return the states (order, count/2 + 1) at the samples of the first half period."""
+    return _sampled(state, bounds, count, with_velocity)[1]
+
+
+def _sampled(
+    state: FloatArray, bounds: FloatArray, count: int, with_velocity: bool
+) -> tuple[CommandFollower, FloatArray]:
+    """Return a follower, and its states at the samples of the first half period."""
     follower = CommandFollower(Limits.from_bounds(bounds.tolist()), dt=2.0 * pi / count)
     commands, velocities = sine_commands(count, with_velocity)
     run = follower.run(commands, command_velocities=velocities, initial=state.tolist())
-    return np.hstack([state[:, None], run.states[: len(state)]])
+    return follower, np.hstack([state[:, None], run.states[: len(state)]])
 
 
 def _third_order_moment(
     state: FloatArray, bounds: FloatArray, count: int, with_velocity: bool
 ) -> complex:
     """Return ∫ v·e^(−jθ) dθ over half a period."""
-    states = follower_states(state, bounds, count, with_velocity)
-    commands, velocities = sine_commands(count, with_velocity)
-    (speed, power, jerk), dt = bounds.tolist(), 2.0 * pi / count
-    task = Task(*(0.0,) * 5, -speed, speed, -power, power, jerk, jerk)
-    kept = np.clip(velocities, -speed, speed).tolist()
-    rows = []
+    follower, states = _sampled(state, bounds, count, with_velocity)
+    dt, rows = 2.0 * pi / count, []
     for k, (begin, r, u) in enumerate(
-        zip(states.T.tolist(), commands.tolist(), kept, strict=False)
+        zip(states.T.tolist(), *sine_commands(count, with_velocity), strict=False)
     ):
-        relative = begin[0] - r, begin[1] - u, begin[2]
-        theta, end = k * dt, (k + 1) * dt
-        for duration, (_, w, *higher) in approach(relative, begin[0], u, task, dt):
-            rows.append((theta, min(duration, end - theta), u + w, *higher))
-            theta += duration
-            if theta >= end:
-                break
+        motion = follower.motion(begin, float(r), float(u))
+        for start, duration, row in zip(
+            motion.breaks, motion.durations, motion.states, strict=False
+        ):
+            rows.append((k * dt + start, duration, *row[1:]))
     return _moment_of_pieces(np.array(rows).T)
 
 

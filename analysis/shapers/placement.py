@@ -158,7 +158,8 @@ def place_null(
     >>> round(limits.bounds("jerk")[1], 9)
     7.6
     """
-    if not finite("distance", distance):
+    distance = finite("distance", distance)
+    if not distance:
         raise ValueError("distance = 0: nothing moves, and nothing rings")
     derivative, omega = derivative_number(by), 2.0 * pi * positive("frequency_hz", frequency_hz)
     if derivative == 0:

@@ -55,7 +55,7 @@ class VibrationMap:
         return np.asarray(self.residual / np.abs(self.distances)[:, None])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the relative amplitude as a map; without an Axes in a new figure."""
+        """Draw the relative amplitude as a map; without an Axes in pyplot's current ones."""
         from ..plots.shapers import plot_vibration_map
 
         return plot_vibration_map(self, ax=ax)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
-from reprlib import Repr
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..derivatives import DERIVATIVE_NAMES, derivative_name, derivative_number
+from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import MAX_ORDER, FloatArray
+from ..real_numbers import real_array, shown
 
 Bounds = tuple[FloatArray, ...]
 """Positive bounds on derivatives 1…n of moves in the positive direction, velocity first."""
@@ -23,12 +23,9 @@ Values = TypeVar("Values", bound=NDArray[Any])
 LimitsOfMany = Limits | Mapping[Any, Any] | ArrayLike
 """What `min_time_moves` takes for limits."""
 
-_SHORT = Repr()
-_SHORT.maxstring = _SHORT.maxother = 80
-
 
 @dataclass(frozen=True, eq=False)
-class ManyLimits:
+class ManyLimits(Frozen):
     """Bounds −falling_k ≤ x^(k) ≤ rising_k of many moves, positive arrays or numbers (0-d).
 
     Where the bounds of a derivative are equal both ways the two are the same array.
@@ -103,31 +100,6 @@ def flat_part(values: Values, shape: tuple[int, ...], some: slice) -> Values:
     return cast(Values, np.broadcast_to(values, shape).flat[some])
 
 
-def real_array(values: Any) -> FloatArray:
-    """Return real numbers as an array of doubles; TypeError for anything else."""
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind in "iuf" or (
-            array.dtype.kind == "O"  # whole numbers beyond 64 bits
-            and all(isinstance(value, Real) for value in array.flat)
-        ):
-            return array.astype(float, copy=False)
-    except (ValueError, OverflowError):  # rows of different lengths, 10**400
-        pass
-    raise TypeError
-
-
-def named_array(name: str, values: Any) -> FloatArray:
-    """Return real numbers as an array of doubles; TypeError that names anything else."""
-    try:
-        return real_array(values)
-    except TypeError:
-        raise TypeError(
-            f"{name} = {_SHORT.repr(values)}: expected a number or an array of numbers, real and "
-            "within the range of a double"
-        ) from None
-
-
 def many_limits(limits: LimitsOfMany) -> ManyLimits:
     """Return checked limits from what a caller gives.
 
@@ -182,11 +154,11 @@ def _bounded(key: Any) -> int:
 
 def _columns(limits: ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
     try:
-        array = real_array(limits)
+        array = real_array("limits", limits)
     except TypeError:
         array = np.empty(())
     if array.ndim not in (1, 2, 3) or (array.ndim == 3 and array.shape[-1] != 2):
-        found = f" of shape {array.shape}" if array.ndim else f" = {_SHORT.repr(limits)}"
+        found = f" of shape {array.shape}" if array.ndim else f" = {shown(limits)}"
         raise TypeError(
             f"limits{found}: expected Limits, a mapping such as "
             "{'velocity': [1.0, 2.0], 'jerk': 5.0}, or an array (N, order) of bounds or "
@@ -206,7 +178,7 @@ def _sides(bound: Any, k: int) -> tuple[FloatArray, FloatArray]:
         size = _positive(bound, bound, 1.0, k)
         return size, size
     if len(bound) != 2:
-        raise TypeError(_expected(k, f" = {_SHORT.repr(bound)}"))
+        raise TypeError(_expected(k, f" = {shown(bound)}"))
     low, high = bound
     rising, falling = _positive(high, bound, 1.0, k), _positive(low, bound, -1.0, k)
     return rising, (rising if np.array_equal(rising, falling) else falling)
@@ -214,9 +186,9 @@ def _sides(bound: Any, k: int) -> tuple[FloatArray, FloatArray]:
 
 def _positive(side: Any, bound: Any, sign: float, k: int) -> FloatArray:
     try:
-        values = np.asarray(sign * real_array(side))
+        values = np.asarray(sign * real_array("bound", side))
     except TypeError:
-        raise TypeError(_expected(k, f" = {_SHORT.repr(bound)}")) from None
+        raise TypeError(_expected(k, f" = {shown(bound)}")) from None
     right = values > 0.0
     if not right.all():
         where = np.argwhere(~right)[0]

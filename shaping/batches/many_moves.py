@@ -11,7 +11,7 @@ from ..pieces import FloatArray
 from ..trajectory_checks import finite_array
 from . import plans
 from .blocks import index_text
-from .many_limits import LimitsOfMany, ManyLimits, flat_part, many_limits, named_array
+from .many_limits import LimitsOfMany, ManyLimits, flat_part, many_limits
 from .move_batch import MoveBatch
 
 _CHUNK = 8192  # moves whose arrays stay in the processor's cache
@@ -79,7 +79,7 @@ def min_time_moves(
             f"limits of order {bounds.order}: expected at most {MAX_MOVE_ORDER} for a move; "
             "drop the highest bounds"
         )
-    lengths, starts = _finite("distances", distances), _finite("start", start)
+    lengths, starts = finite_array("distances", distances), finite_array("start", start)
     shape = _shape(lengths, starts, bounds)
     duration = np.empty(shape)
     forms = np.zeros(shape if bounds.order > plans.LOW else (1,) * len(shape), dtype=np.int8)
@@ -96,10 +96,6 @@ def min_time_moves(
         _check_range(distance, result, shape, i)
     lengths, starts = (np.broadcast_to(array, shape) for array in (lengths, starts))
     return MoveBatch(lengths, starts, bounds, duration, np.broadcast_to(forms, shape))
-
-
-def _finite(name: str, values: ArrayLike) -> FloatArray:
-    return finite_array(name, named_array(name, values))
 
 
 def _shape(lengths: FloatArray, starts: FloatArray, bounds: ManyLimits) -> tuple[int, ...]:

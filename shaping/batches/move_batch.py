@@ -10,12 +10,14 @@ from numpy.typing import ArrayLike
 
 from ..checks import positive
 from ..derivatives import derivative_number
+from ..frozen import Frozen
 from ..pieces import MAX_SAMPLES, FloatArray, extrema
-from ..trajectory import Trajectory, point
+from ..real_numbers import real_array
+from ..trajectory import Trajectory, point, within_range
 from . import plans
 from .blocks import Moves, blocks, spoilt_bound, spoilt_text
 from .grids import fill
-from .many_limits import ManyLimits, named_array
+from .many_limits import ManyLimits
 
 
 class MovePieces(NamedTuple):
@@ -35,7 +37,7 @@ class MovePieces(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MoveBatch:
+class MoveBatch(Frozen):
     """Fastest closed-form moves of N distances.
 
     `batch[i]` is move i as a `Trajectory`, and a slice, a mask or any other index of numpy makes
@@ -99,7 +101,7 @@ class MoveBatch:
             return MoveBatch(distance, start, limits, duration, form)
         if distance == 0.0:
             return point(float(start), self.order)
-        move = plans.trajectory(float(distance), limits, int(form))
+        move = within_range(lambda: plans.trajectory(float(distance), limits, int(form)))
         spoilt = spoilt_bound(move.states.T[..., None], limits)
         if spoilt:
             raise ValueError(spoilt_text(spoilt[0], str(index)))
@@ -236,7 +238,7 @@ class MoveBatch:
 
     def _times(self, t: ArrayLike, rows: int) -> FloatArray:
         """Return times, checked, at which that many rows of values fit into memory."""
-        times = named_array("t", t)
+        times = real_array("t", t)
         if not np.isfinite(times).all():
             raise ValueError("times must be finite: got NaN or infinity")
         _check_size(

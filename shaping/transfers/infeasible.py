@@ -6,7 +6,18 @@ from math import isfinite, sqrt
 
 from ..derivatives import derivative_name
 from ..limits import Limits
-from .brake import inside
+
+
+_ROUNDING = 16.0 * 2.0**-52
+
+
+def inside(value: float, low: float, high: float) -> float:
+    """Return a value with an excess over its bounds that is mere rounding cut off."""
+    if high < value <= high + _ROUNDING * abs(high):
+        return high
+    if low > value >= low - _ROUNDING * abs(low):
+        return low
+    return value
 
 
 class InfeasibleError(ValueError):

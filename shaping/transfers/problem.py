@@ -1,25 +1,25 @@
-"""A transfer problem: checked, in its own units, its start brought inside the bounds."""
+"""A transfer, and the problem that it solves: checked, and planned by the core."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate
+from functools import cached_property
 from math import isfinite
+from typing import Any
 
-import numpy as np
-
-from ..checks import finite
+from ... import core
+from ..checks import finite, range_error, state_numbers
 from ..derivatives import derivative_name
 from ..limits import Limits
+from ..real_numbers import shown
 from ..trajectory import Trajectory
-from . import planner
-from .brake import brake, inside
-from .infeasible import check_end
-from .task import Piece, Task, own_units
+from .infeasible import check_end, inside, unreachable
 
 State = float | Sequence[float]
 """Position, velocity and, for order 3, acceleration; those left out at the end are zero."""
+
+_ARRAYS = ("breaks", "states", "durations", "end_state")
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -28,20 +28,51 @@ class Transfer(Trajectory):
 
     Attributes
     ----------
-    limits : Limits
-        Those it was planned with.
+    limits : Limits, optional
+        Those it was planned with; None where it was made from arrays.
     inside_after : float
         Time from its start after which every limit holds for good. Zero where the start can
         keep the limits; else the time that bringing it inside takes, during which `violation`
         reports the excess.
     """
 
-    limits: Limits
-    inside_after: float
+    limits: Limits | None = None
+    inside_after: float = 0.0
+
+    @classmethod
+    def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
+        """Return a motion of the core; its arrays are made when they are asked for."""
+        transfer = object.__new__(cls)
+        fields = transfer.__dict__  # the way around `frozen`
+        fields["_motion"], fields["limits"] = motion, limits
+        fields["inside_after"], fields["coasting"] = motion.inside_after, 1
+        return transfer
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _ARRAYS or "_motion" not in self.__dict__:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__.update(zip(_ARRAYS, self.__dict__["_motion"].arrays(), strict=True))
+        return self.__dict__[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in _ARRAYS:
+            getattr(self, name)
+        return super().__getstate__()
 
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""
         return f"{super().__repr__()[:-1]}{told})"
+
+    @property
+    def duration(self) -> float:
+        """Time from the first break to the last."""
+        motion = self.__dict__.get("_motion")
+        return super().duration if motion is None else motion.duration
+
+    @cached_property
+    def _pieces(self) -> core.Pieces:
+        motion = self.__dict__.get("_motion")
+        return Trajectory._pieces.func(self) if motion is None else motion.pieces()
 
 
 class Problem:
@@ -49,73 +80,40 @@ class Problem:
 
     def __init__(self, start: State, end: State, limits: Limits) -> None:
         check_order(limits)
-        x0, v0, a0 = checked_state("start", start, limits)
+        self.start = checked_state("start", start, limits)
         x1, v1, a1 = checked_state("end", end, limits)
         v1, a1 = inside(v1, *limits.bounds(1)), inside(a1, *limits.bounds(2))
         check_end(v1, a1, limits)
-        fall, rise = limits.bounds(3)
-        task = Task(
-            finite("the distance between start and end", x1 - x0),
-            *(v0, a0, v1, a1),
-            *limits.bounds(1),
-            *limits.bounds(2),
-            *(-fall, rise),
-            resolution=2.0**-52 * max(abs(x0), abs(x1)),
-        )
+        finite("the distance between start and end", x1 - self.start[0])
         self.limits, self.end = limits, (x1, v1, a1)
-        self.units = own_units(task)
-        self._scaled = task.in_units(*self.units)
-        self._start, self._goal = x0 / self.units[1], x1 / self.units[1]
-        self.braking, self.task, self.position = brake(self._scaled, self._start)
 
     @property
-    def braking_time(self) -> float:
-        """Time that bringing the start inside takes."""
-        return self.units[0] * sum(duration for duration, _ in self.braking)
+    def _arguments(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+        n = self.limits.order
+        return self.start[:n], self.end[:n], self.limits.flat
 
-    def fastest(self) -> Transfer | None:
-        """Return the minimum-time transfer, None where there is none."""
-        if self.braking and self._scaled.within_bounds():  # it leaves them later, or never
-            direct = planner.fastest(self._scaled, self._start, self._goal)
-            if direct is not None:
-                return self.assemble(direct, braking=False)
-        plan = planner.fastest(self.task, self.position, self._goal)
-        return None if plan is None else self.assemble(plan)
+    def fastest(self) -> Transfer:
+        """Return the minimum-time transfer."""
+        return self._transfer(core.transfer(*self._arguments))
+
+    def change_of_velocity(self) -> Transfer:
+        """Return the fastest change to the end's velocity and acceleration."""
+        return self._transfer(core.velocity_transfer(*self._arguments))
 
     def possible_durations(self) -> list[tuple[float, float]]:
         """Return the intervals of durations that a transfer can take."""
-        time, first = self.units[0], self.braking_time
-        return [
-            (first + low * time, first + high * time)
-            for low, high in planner.possible_durations(self.task)
-        ]
+        return list(core.possible_durations(*self._arguments))
 
-    def lasting(self, duration: float) -> Transfer | None:
-        """Return a transfer of a given duration, None where there is none."""
-        remaining = (duration - self.braking_time) / self.units[0]
-        plan = planner.lasting(self.task, remaining, self.position, self._goal)
-        return None if plan is None else self.assemble(plan)
+    def lasting(self, duration: float) -> Transfer:
+        """Return a transfer of a given duration, one of those possible."""
+        return self._transfer(core.transfer_lasting(*self._arguments, duration))
 
-    def assemble(
-        self, plan: list[Piece], end: float | None = None, *, braking: bool = True
-    ) -> Transfer:
-        """Return the trajectory of a plan, in the problem's units; it ends at `end` if given."""
-        time, length = self.units
-        n = self.limits.order
-        pieces = [piece for piece in [*self.braking * braking, *plan] if piece[0] > 0.0]
-        durations = np.array([duration for duration, _ in pieces]) * time
-        scale = np.array([length / time**k for k in range(n + 1)])
-        states = np.array([row for _, row in pieces]).reshape(len(pieces), n + 1) * scale
-        breaks = np.array([0.0, *accumulate(durations.tolist())])
-        x1 = self.end[0] if end is None else end * length
-        end_state = np.array([x1, *self.end[1:n], 0.0])
-        if not (np.isfinite(breaks).all() and np.isfinite(states).all()):
-            raise OverflowError
-        transfer = Transfer.from_arrays(breaks, states, durations, end_state)
-        transfer.__dict__.update(  # the way around `frozen`
-            limits=self.limits, inside_after=self.braking_time if braking else 0.0
-        )
-        return transfer
+    def _transfer(self, motion: core.Motion | int) -> Transfer:
+        if not isinstance(motion, int):
+            return Transfer.of(motion, self.limits)
+        if motion == core.RANGE or self.end[2] == 0.0:  # such an end can be reached
+            raise range_error()
+        raise unreachable(*self.end[1:], self.limits)
 
 
 def check_order(limits: Limits) -> None:
@@ -138,16 +136,14 @@ def check_order(limits: Limits) -> None:
 
 def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float, float]:
     """Return (position, velocity, acceleration), checked; acceleration is zero for order 2."""
-    numbers = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    numbers = state_numbers(name, given)
     n = limits.order
     if not 1 <= len(numbers) <= n + 1:
         named = ", ".join(derivative_name(k) for k in range(n))
         raise ValueError(
-            f"{name} = {given!r}: expected ({named}) for limits of order {n}; the last may be left "
-            f"out where they are zero, and {derivative_name(n)} may follow, which is not used"
+            f"{name} = {shown(given)}: expected ({named}) for limits of order {n}; the last may "
+            f"be left out where they are zero, and {derivative_name(n)}, not used, may follow"
         )
-    x, v, a = (
-        finite(f"{name} {derivative_name(k)}", numbers[k]) if k < min(n, len(numbers)) else 0.0
-        for k in range(3)
-    )
+    checked = [finite(f"{name} {derivative_name(k)}", value) for k, value in enumerate(numbers)]
+    x, v, a = (*checked[:n], 0.0, 0.0)[:3]
     return x, v, a

@@ -14,8 +14,7 @@ from ..limits import Limits
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
-from .s_curve_plan import Motion, Rates, plan_move, stopping_place
-from .task import ROUNDING, Piece
+from .s_curve_plan import ROUNDING, Motion, Piece, Rates, plan_move, stopping_place
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 
@@ -36,15 +35,15 @@ class SCurveMove(Trajectory):
 
     Attributes
     ----------
-    settings : SCurveSettings
-        What its last part was planned with.
+    settings : SCurveSettings, optional
+        What its last part was planned with; None where it was made from arrays.
     remarks : tuple of str
         Jerks outside the range of sense, a²/v ≤ jerk ≤ a/dt, and what comes of it; a velocity
         beyond its bound that the last plan had to bring down.
     """
 
-    settings: SCurveSettings
-    remarks: tuple[str, ...]
+    settings: SCurveSettings | None = None
+    remarks: tuple[str, ...] = ()
 
     def modify(
         self,
@@ -82,10 +81,8 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        if finite("time", time) < self.start_time:
-            before = _waiting(self, time)
-        else:
-            before = self.until(time)
+        known, time = self._known(), finite("time", time)
+        before = _waiting(self, time) if time < self.start_time else self.until(time)
         given = {
             "velocity": velocity,
             "acceleration": acceleration,
@@ -93,13 +90,13 @@ class SCurveMove(Trajectory):
             "acceleration_jerk": acceleration_jerk,
             "deceleration_jerk": deceleration_jerk,
         }
-        if self.settings.rates.jerk_percent is not None:
-            _check_no_jerk(acceleration_jerk, deceleration_jerk, self.settings.rates.jerk_percent)
+        if known.rates.jerk_percent is not None:
+            _check_no_jerk(acceleration_jerk, deceleration_jerk, known.rates.jerk_percent)
         changes = {name: positive(name, v) for name, v in given.items() if v is not None}
-        rates = replace(self.settings.rates, **changes)
+        rates = replace(known.rates, **changes)
         if final_velocity is None:
-            final_velocity = self.settings.final_velocity
-        settings = replace(self.settings, rates=rates, final_velocity=_final(final_velocity, rates))
+            final_velocity = known.final_velocity
+        settings = replace(known, rates=rates, final_velocity=_final(final_velocity, rates))
         goal = float(self.end_state[0]) if target is None else finite("target", target)
         x, v, a = before.end_state[:3].tolist()
         plan = _planned((x, v, a), goal, settings)
@@ -117,12 +114,16 @@ class SCurveMove(Trajectory):
             Time in between, coasting at this move's final velocity.
         """
         goal = finite("target", target) + (float(self.end_state[0]) if relative else 0.0)
-        if not finite("delay", delay) >= 0.0:
-            raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
-        before = self.until(self.end_time + delay)
+        delay = _delay(delay)
+        known, before = self._known(), self.until(self.end_time + delay)
         x, v, a = before.end_state[:3].tolist()
-        plan = _planned((x, v, a), goal, self.settings)
-        return _as_move(_spliced(before, plan), plan, self.settings)
+        plan = _planned((x, v, a), goal, known)
+        return _as_move(_spliced(before, plan), plan, known)
+
+    def _known(self) -> SCurveSettings:
+        if self.settings is None:
+            raise ValueError(f"{self!r} was made from arrays: plan it by s_curve_move to go on")
+        return self.settings
 
 
 def s_curve_move(
@@ -206,8 +207,7 @@ def s_curve_move(
     )
     if dt is not None:
         dt = positive("dt", dt)
-    if not finite("delay", delay) >= 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
+    delay = _delay(delay)
     begin = checked_state("start", start, Limits(jerk=1.0))
     goal = finite("target", target) + (begin[0] if relative else 0.0)
     if jerk_percent is not None and begin[2] != 0.0:
@@ -234,11 +234,12 @@ def _rates(
     deceleration = positive("deceleration", deceleration)
     if jerk_percent is not None:
         _check_no_jerk(acceleration_jerk, deceleration_jerk, jerk_percent)
-        if not 0.0 <= finite("jerk_percent", jerk_percent) <= 1.0:
+        jerk_percent = finite("jerk_percent", jerk_percent)
+        if not 0.0 <= jerk_percent <= 1.0:
             raise ValueError(
                 f"jerk_percent = {jerk_percent!r}: expected 0 to 1, such as 0.5 for 50 %"
             )
-        return Rates(velocity, acceleration, deceleration, inf, inf, float(jerk_percent))
+        return Rates(velocity, acceleration, deceleration, inf, inf, jerk_percent)
     if acceleration_jerk is None:
         raise ValueError("no jerk given: expected acceleration_jerk or jerk_percent")
     if deceleration_jerk is None:
@@ -252,6 +253,13 @@ def _rates(
     )
 
 
+def _delay(delay: float) -> float:
+    checked = finite("delay", delay)
+    if checked < 0.0:
+        raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
+    return checked
+
+
 def _check_no_jerk(
     acceleration_jerk: float | None, deceleration_jerk: float | None, percent: float
 ) -> None:
@@ -260,12 +268,13 @@ def _check_no_jerk(
 
 
 def _final(final_velocity: float, rates: Rates) -> float:
-    if abs(finite("final_velocity", final_velocity)) > rates.velocity:
+    final_velocity = finite("final_velocity", final_velocity)
+    if abs(final_velocity) > rates.velocity:
         raise ValueError(
             f"final_velocity = {final_velocity!r}: expected at most the velocity, "
             f"{rates.velocity!r}, either way"
         )
-    return float(final_velocity)
+    return final_velocity
 
 
 def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:
@@ -279,10 +288,7 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
     def planned() -> Trajectory:
         if alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
-            motion = Problem(begin, (target, settings.final_velocity), limits).fastest()
-            if motion is None:  # an end without acceleration can be reached, in numbers of a double
-                raise OverflowError
-            return motion
+            return Problem(begin, (target, settings.final_velocity), limits).fastest()
         return _trajectory(
             plan_move(begin, target, settings.final_velocity, rates),
             target,

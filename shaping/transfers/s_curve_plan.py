@@ -11,12 +11,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from .brake import brake
-from .planner import fastest, mirrored
-from .task import ROUNDING, Piece, Task, taylor
-from .velocity_change import change_velocity
+from ... import core
+from ..checks import range_error
+
+Piece = tuple[float, tuple[float, ...]]
+"""Duration, and position with derivatives at the start."""
 
 Pieces = list[Piece]
+ROUNDING = 16.0 * 2.0**-52
+"""Relative size below which a difference is taken for rounding."""
+
 _GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
 
 Motion = tuple[float, float, float]
@@ -74,7 +78,7 @@ def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates
     if direct is not None:
         return eased + direct
     stop = eased + _leg(begin, 0.0, rates)
-    x = taylor(stop[-1][1], stop[-1][0])[0] if stop else begin[0]
+    x = _later(stop[-1][1], stop[-1][0])[0] if stop else begin[0]
     runway = _distance(_leg((0.0, 0.0, 0.0), abs(final_velocity), rates))
     if final_velocity > 0.0 and target - x >= runway:
         return stop + _from_rest(x, target, final_velocity, rates)
@@ -104,9 +108,7 @@ def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) 
     if final_velocity < 0.0:
         return None
     if settling > rates.velocity and rates.jerk_percent is None:
-        slowed, begin = _into_bounds(begin, settling, rates)
-        onward = _one_way(begin, target, final_velocity, rates)
-        return None if onward is None else slowed + onward
+        return _slowed_down(begin, target, final_velocity, rates)
     distance, slack = target - x, ROUNDING * (abs(target - x) + abs(x) + abs(target))
     low, high = max(settling, final_velocity), rates.velocity
 
@@ -119,23 +121,30 @@ def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) 
             low, high = _dip(begin, final_velocity, rates), settling
         if low > high or missing(low) < -slack:
             slows = a <= 0.0 and final_velocity <= v and rates.jerk_percent is None
-            return _slowing(begin, target, final_velocity, rates) if slows else None
+            return _slowing(begin, target, final_velocity, rates, v) if slows else None
         turn = _largest(low, high, missing) if missing(low) > slack else low
     return _by_way_of(
         turn, max(rest, 0.0) / turn if turn else 0.0, begin, target, final_velocity, rates
     )
 
 
-def _into_bounds(begin: Motion, settling: float, rates: Rates) -> tuple[Pieces, Motion]:
-    """Return the quickest way down to the velocity allowed, and the state then."""
-    x, v, a = begin
-    eased = _leg(begin, settling, rates) if a > 0.0 else []
+def _slowed_down(
+    begin: Motion, target: float, final_velocity: float, rates: Rates
+) -> Pieces | None:
+    """Return the plan from a velocity beyond its bound that never goes back, None for none.
+
+    It levels off at the bound, or, where the target is too near for that, brakes harder.
+    """
+    levelled = _leg(begin, rates.velocity, rates)
+    state = begin[0] + _distance(levelled), rates.velocity, 0.0
+    onward = _one_way(state, target, final_velocity, rates)
+    if onward is not None:
+        return levelled + onward
+    eased = _leg(begin, _settling(*begin[1:], rates), rates) if begin[2] > 0.0 else []
     if eased:
-        x, v, a = x + _distance(eased), settling, 0.0
-    rate, jerk = rates.deceleration, rates.deceleration_jerk
-    task = Task(0.0, v, a, 0.0, 0.0, 0.0, rates.velocity, -rate, rate, jerk, jerk)
-    slowed, left, x = brake(task, x)
-    return eased + slowed, (x, left.v0, left.a0)
+        begin = begin[0] + _distance(eased), _settling(*begin[1:], rates), 0.0
+    braking = _slowing(begin, target, final_velocity, rates, rates.velocity)
+    return None if braking is None else eased + braking
 
 
 def _distance_by_way_of(turn: float, begin: Motion, final_velocity: float, rates: Rates) -> float:
@@ -187,20 +196,41 @@ def _by_way_of(
     ]
 
 
-def _slowing(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces | None:
+def _slowing(
+    begin: Motion, target: float, final_velocity: float, rates: Rates, fastest: float
+) -> Pieces | None:
     """Return the fastest plan that slows down all the way, None where there is none."""
-    x, v, a = begin
-    task = Task(
-        target - x,
-        *(v, a, final_velocity, 0.0),
-        *(0.0, v, -rates.deceleration, rates.deceleration),
-        *(rates.deceleration_jerk, rates.deceleration_jerk),
-        resolution=ROUNDING * max(abs(x), abs(target)),
-    )
-    pieces = fastest(task, x, target)
-    if pieces is None or max(row[2] for _, row in pieces) > ROUNDING * rates.deceleration:
+    rate, jerk = rates.deceleration, rates.deceleration_jerk
+    bounds = (0.0, fastest, -rate, rate, -jerk, jerk)
+    motion = core.transfer(begin, (target, final_velocity, 0.0), bounds) if fastest else 0
+    if isinstance(motion, int) or motion.inside_after > 0.0 and fastest == begin[1]:
+        return None
+    pieces = _pieces(motion)
+    if max(max(row[2], row[2] + time * row[3]) for time, row in pieces) > ROUNDING * rate:
         return None
     return pieces
+
+
+def _pieces(motion: core.Motion | int) -> Pieces:
+    if isinstance(motion, int):
+        raise range_error()
+    _, states, durations, _ = motion.arrays()
+    return list(zip(durations.tolist(), map(tuple, states.tolist()), strict=True))
+
+
+def _later(row: tuple[float, ...], time: float) -> tuple[float, float, float]:
+    """Return position, velocity and acceleration a time after a piece's start."""
+    x, v, a, j = row
+    return (
+        x + time * (v + time * (a / 2.0 + time * j / 6.0)),
+        v + time * (a + time * j / 2.0),
+        a + time * j,
+    )
+
+
+def mirrored(pieces: Pieces) -> Pieces:
+    """Return the pieces of the motion in the opposite direction."""
+    return [(duration, tuple(-value for value in row)) for duration, row in pieces]
 
 
 def _settling(v: float, a: float, rates: Rates) -> float:
@@ -217,7 +247,7 @@ def _ease(begin: Motion, rates: Rates) -> tuple[Pieces, Motion]:
         return [], begin
     jerk = -rates.acceleration_jerk if a > kept else rates.deceleration_jerk
     piece = (kept - a) / jerk, (x, v, a, jerk)
-    later = taylor(piece[1], piece[0])
+    later = _later(piece[1], piece[0])
     return [piece], (later[0], later[1], kept)
 
 
@@ -227,7 +257,7 @@ def _to_zero(begin: Motion, rates: Rates) -> tuple[Pieces, Motion]:
     jerk = rates.deceleration_jerk
     duration = 2.0 * v / (sqrt(a * a - 2.0 * jerk * v) - a)
     piece = duration, (x, v, a, jerk)
-    later = taylor(piece[1], duration)
+    later = _later(piece[1], duration)
     return [piece], (later[0], 0.0, later[2])
 
 
@@ -242,12 +272,12 @@ def _leg(begin: Motion, velocity: float, rates: Rates) -> Pieces:
     if a and (a > 0.0) != speeding:  # first the acceleration goes to zero
         jerk = -rates.acceleration_jerk if a > 0.0 else rates.deceleration_jerk
         eased = [(-a / jerk, (x, v, a, jerk))]
-        x, v, a = taylor(eased[0][1], eased[0][0])[0], settling, 0.0
+        x, v, a = _later(eased[0][1], eased[0][0])[0], settling, 0.0
     bound = rates.acceleration if speeding else rates.deceleration
     jerk = rates.acceleration_jerk if speeding else rates.deceleration_jerk
-    task = Task(0.0, v, a, velocity, 0.0, -inf, inf, -bound, bound, jerk, jerk)
-    change = change_velocity(task)
-    return eased + [piece for piece in change.pieces(x) if piece[0] > 0.0]
+    bounds = (-inf, inf, -bound, bound, -jerk, jerk)
+    change = _pieces(core.velocity_transfer((x, v, a), (x, velocity, 0.0), bounds))
+    return eased + change
 
 
 def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: float) -> Pieces:
@@ -257,6 +287,8 @@ def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: flo
         return []
     speeding = velocity > v
     duration = abs(change) / (rates.acceleration if speeding else rates.deceleration)
+    if not duration:
+        raise OverflowError
     curved, straight = 0.5 * percent * duration, (1.0 - percent) * duration
     peak = change / duration / (1.0 - 0.5 * percent)
     held = (x, v, peak, 0.0)
@@ -264,9 +296,9 @@ def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: flo
         return [(duration, held)]
     jerk = peak / curved
     first = (curved, (x, v, 0.0, jerk))
-    x, v = taylor(first[1], curved)[:2]
+    x, v = _later(first[1], curved)[:2]
     second = (straight, (x, v, peak, 0.0))
-    x, v = taylor(second[1], straight)[:2]
+    x, v = _later(second[1], straight)[:2]
     return [first, second, (curved, (x, v, peak, -jerk))]
 
 
@@ -275,4 +307,4 @@ def _distance(pieces: Pieces) -> float:
     if not pieces:
         return 0.0
     duration, row = pieces[-1]
-    return taylor(row, duration)[0] - pieces[0][1][0]
+    return _later(row, duration)[0] - pieces[0][1][0]

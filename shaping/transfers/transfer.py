@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ..checks import in_range
+from ... import core
+from ..checks import finite
 from ..limits import Limits
-from .infeasible import unreachable
 from .problem import Problem, State, Transfer, check_order, checked_state
-from .velocity_change import change_velocity
 
 
 def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
@@ -59,16 +58,13 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     2.2319602829
     """
 
-    def planned() -> Transfer:
-        problem = Problem(start, end, limits)
-        transfer = problem.fastest()
-        if transfer is None:
-            if problem.end[2] == 0.0:  # it can be reached, in numbers beyond a double
-                raise OverflowError
-            raise unreachable(*problem.end[1:], limits)
-        return transfer
-
-    return in_range(planned)
+    try:
+        motion = core.transfer(start, end, limits.flat)  # type: ignore[arg-type]
+    except (AttributeError, TypeError, ValueError):  # told, or converted, below
+        motion = core.UNREACHABLE
+    if isinstance(motion, int):
+        return Problem(start, end, limits).fastest()
+    return Transfer.of(motion, limits)
 
 
 def velocity_transfer(
@@ -109,17 +105,11 @@ def velocity_transfer(
     """
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
+    velocity, acceleration = finite("velocity", velocity), finite("acceleration", acceleration)
     if limits.order == 2 and acceleration != 0.0:
         raise ValueError(
             f"acceleration = {acceleration!r}: at order 2 it may jump and cannot be asked for; "
             "leave it out, or bound jerk as well"
         )
-
-    def planned() -> Transfer:
-        problem = Problem((position, v0, a0), (position, velocity, acceleration), limits)
-        change = change_velocity(problem.task)
-        if change.leaves_bounds():
-            raise unreachable(*problem.end[1:], limits)
-        return problem.assemble(change.pieces(problem.position), problem.position + change.distance)
-
-    return in_range(planned)
+    end = position, velocity, acceleration
+    return Problem((position, v0, a0), end, limits).change_of_velocity()

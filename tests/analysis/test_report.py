@@ -221,6 +221,43 @@ def test_no_number_of_the_switch_table_is_broken(order, width):
         assert all(part in text for part in name.rsplit(" ", 1))
 
 
+def test_a_plan_of_many_pieces_is_told_in_a_few_lines():
+    plan = plan_of_order(6)
+    text = shown(plan_tables(plan, pieces=False), width=80)
+    assert "Switch table" not in text
+    assert f"{len(plan.trajectory.states)} pieces; --pieces prints them" in text
+    assert len(text.splitlines()) < 16
+    assert max(map(len, text.splitlines())) <= 80
+    assert "Switch table" in shown(plan_tables(plan_of_order(3), pieces=False))
+
+
+def test_plan_tables_tell_how_long_each_limit_binds():
+    """Shares by values at many times, and a limit that is only touched."""
+    bounds = {1: "1 mm/s", 2: "4 mm/s^2", 3: "16 mm/s^3", 4: "100 mm/s^4"}
+    plan = plan_move("3 mm", bounds, method="closed-form")
+    lines = shown(plan_tables(plan)).splitlines()
+    move, times = plan.trajectory, np.linspace(0.0, plan.trajectory.duration, 200_001)[1:-1]
+    for k, name in ((1, "velocity"), (4, "snap")):
+        row = next(line for line in lines if line.strip().startswith(name))
+        share = float(re.search(r"([\d.]+) % of the time", row).group(1))
+        most = plan.limits.bounds(k)[1]
+        assert share == pytest.approx(
+            100.0 * np.mean(np.abs(move(times, k)) > most * (1.0 - 1e-9)), rel=6e-3
+        )
+    touching = {4: "1 mm/s^4", 2: f"{move_alone_peak():.12g} mm/s^2"}
+    row = next(
+        line
+        for line in shown(plan_tables(plan_move("3 mm", touching))).splitlines()
+        if line.strip().startswith("acceleration")
+    )
+    assert row.rstrip().endswith("touched")
+
+
+def move_alone_peak():
+    """Return the peak acceleration, in mm/s², of 3 mm with nothing but 1 mm/s⁴ bounded."""
+    return 1e3 * plan_move("3 mm", {4: "1 mm/s^4"}).trajectory.peak("acceleration") * (1.0 + 1e-9)
+
+
 def test_plan_tables_carry_the_units():
     text = shown(plan_tables(plan_of_order(3)))
     for part in ("time [s]", "position [mm]", "velocity [mm/s]", "jerk [mm/s^3]"):

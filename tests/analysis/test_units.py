@@ -12,6 +12,7 @@ from jounce.analysis.units import (
     FREQUENCY,
     Kind,
     UnitError,
+    conversion,
     convert,
     factor,
     motion_kind,
@@ -263,3 +264,20 @@ def test_any_text_is_a_finite_number_or_a_unit_error(text):
     except UnitError:
         return
     assert math.isfinite(value)
+
+
+@pytest.mark.parametrize(
+    ("unit", "to", "ratio"),
+    [("arcsec", "mas", 1e3), ("arcmin/s^2", "arcsec/s^2", 60.0), ("mm", "m", 1e-3),
+     ("Hz", "rpm", 60.0), ("N m", "kg m^2/s^2", 1.0), ("%", "%", 1.0)],
+)  # fmt: skip
+def test_units_convert(unit, to, ratio):
+    assert conversion(unit, to) == ratio
+
+
+@pytest.mark.parametrize(
+    ("unit", "to"), [("mm", "arcsec"), ("mm", "lux"), ("lux", "mm"), ("", "m")]
+)
+def test_units_of_another_kind_do_not(unit, to):
+    with pytest.raises(UnitError, match="write a unit such as 'arcsec'"):
+        conversion(unit, to)

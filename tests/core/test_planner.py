@@ -226,7 +226,7 @@ def test_what_is_no_plain_number_is_a_type_error(call):
         lambda: transfer((inf,), (1.0,), BOUNDS),
         lambda: transfer((0.0,), (float("nan"),), BOUNDS),
         lambda: transfer((0.0,), (1.0,), (-1.0, 1.0)),
-        lambda: transfer((0.0,), (1.0,), (-1.0, 1.0, -1.0, 0.0)),
+        lambda: transfer((0.0,), (1.0,), (-1.0, 1.0, 0.0, 0.0)),
         lambda: transfer((0.0,), (1.0,), (-1.0, 1.0, -1.0, inf)),
         lambda: transfer((0.0,), (1.0,), (-1.0, 1.0, -1.0, 1.0, -1.0)),
         lambda: transfer_lasting((0.0,), (1.0,), BOUNDS, inf),
@@ -236,7 +236,7 @@ def test_what_is_no_plain_number_is_a_type_error(call):
     ids=range(9),
 )
 def test_numbers_out_of_place_are_a_value_error(call):
-    with pytest.raises(ValueError, match=r"finite|lower < 0 < upper|expected"):
+    with pytest.raises(ValueError, match="finite|expected"):
         call()
 
 

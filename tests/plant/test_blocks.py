@@ -48,5 +48,7 @@ def test_its_step_response_is_the_gamma_distribution(order):
 
 @pytest.mark.parametrize("count", [-1, 4, 7])
 def test_derivatives_that_need_the_command_itself_are_refused(count):
-    with pytest.raises(ValueError, match=f"derivatives = {count}: expected 0 to 3 for order 4"):
+    with pytest.raises(
+        ValueError, match=f"derivatives = {count}: expected a whole number from 0 to 3"
+    ):
         filter_system(JerkFilter(2.0, 4), derivatives=count)

@@ -12,7 +12,7 @@ TINY, HUGE = 5e-324, 1.7976931348623157e308
 
 
 @pytest.mark.parametrize("check", [finite, positive])
-@pytest.mark.parametrize("value", [3, 3.0, np.float64(3.5), np.int32(3), Fraction(3), True])
+@pytest.mark.parametrize("value", [3, 3.0, np.float64(3.5), np.int32(3), Fraction(3), np.array(3)])
 def test_numbers_of_any_kind_come_back_as_floats(check, value):
     result = check("speed", value)
     assert type(result) is float
@@ -43,7 +43,7 @@ def test_positive_refuses_with_name_value_and_remedy(value):
 
 
 @pytest.mark.parametrize("check", [finite, positive])
-@pytest.mark.parametrize("value", ["fast", None, [1.0, 2.0], 1j])
+@pytest.mark.parametrize("value", ["fast", None, [1.0, 2.0], 1j, True])
 def test_what_is_no_number_is_refused(check, value):
     with pytest.raises((TypeError, ValueError)):
         check("speed", value)
@@ -56,7 +56,7 @@ def test_whole_returns_an_int_within_its_ends(value):
     assert result == value
 
 
-@pytest.mark.parametrize("value", [1, 6, -3, 3.0, 2.5, nan, inf, "3", None, np.float64(4)])
+@pytest.mark.parametrize("value", [1, 6, -3, 3.0, 2.5, nan, inf, "3", None, np.float64(4), True])
 def test_whole_refuses_with_name_value_and_range(value):
     message = r"^count = .*: expected a whole number from 2 to 5$"
     with pytest.raises(ValueError, match=message) as info:
@@ -69,8 +69,13 @@ def test_in_range_returns_what_the_plan_returns(result):
     assert in_range(lambda: result) is result
 
 
+def _overflow_of_numpy():
+    with np.errstate(over="raise"):
+        return np.float64(HUGE) * 2.0
+
+
 OUT_OF_RANGE = {
-    "division by zero": lambda: 1.0 / 0.0,
+    "of numpy": _overflow_of_numpy,
     "power": lambda: HUGE**2,
     "exponential": lambda: exp(1e3),
     "ldexp": lambda: ldexp(1.0, 10_000),
@@ -79,18 +84,17 @@ OUT_OF_RANGE = {
 
 
 @pytest.mark.parametrize("plan", OUT_OF_RANGE.values(), ids=OUT_OF_RANGE)
-def test_in_range_tells_arithmetic_errors_as_numbers_out_of_range(plan):
+def test_in_range_tells_overflows_as_numbers_out_of_range(plan):
     message = (
         r"^the duration or a state leaves the range of a double: choose distance and time units "
         r"nearer to the problem's own$"
     )
     with pytest.raises(ValueError, match=message) as info:
         in_range(plan)
-    assert info.value.__suppress_context__
-    assert info.value.__cause__ is None
+    assert isinstance(info.value.__cause__, ArithmeticError)
 
 
-@pytest.mark.parametrize("error", [ValueError, TypeError, AssertionError, KeyError])
+@pytest.mark.parametrize("error", [ValueError, TypeError, KeyError, ZeroDivisionError])
 def test_in_range_lets_other_errors_through(error):
     def plan():
         raise error("as it was")

@@ -94,7 +94,7 @@ def cosimulate(
     --------
     >>> import control
     >>> integrator = control.tf([1], [1, 0], inputs="u", outputs="y")
-    >>> gain = control.ss([], [], [], [[0.5]], 1.0, inputs="e", outputs="u")
+    >>> gain = control.tf([0.5], [1.0], 1.0, inputs="e", outputs="u")
     >>> run = cosimulate(
     ...     {"controller": gain, "plant": integrator},
     ...     [(1.0, "controller.e"), ("-plant.y", "controller.e"), ("controller.u", "plant.u")],

@@ -11,13 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ....shaping.frozen import Frozen
 from ....shaping.pieces import FloatArray
 from ..exporting.archive import write_atomically
 from ..importing.description import FmuError, candidates
 
 
 @dataclass(frozen=True, eq=False)
-class CosimulationResult:
+class CosimulationResult(Frozen):
     """Signals of a co-simulation at its communication points t_0 … t_N.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy as np
 from ....shaping import Trajectory
 from ....shaping.derivatives import derivative_name
 from ....shaping.pieces import FloatArray
+from ...respond import state_space
 from ...sampled import zero_order_hold
 from ..importing.description import FmuError
 from ..importing.stepping import Fmu
@@ -109,15 +110,13 @@ class _Linear:
     """
 
     def __init__(self, name: str, system: Any, dt: float) -> None:
-        import control
-
         sampled = system.isdtime(strict=True)
         if sampled and system.dt is not True and abs(system.dt - dt) > _SAME_DT * dt:
             raise FmuError(
                 f"block {name!r} is sampled every {system.dt!r}, not every dt = {dt!r}: use its "
                 "dt, or make it anew for this one"
             )
-        held = control.ss(system if sampled else zero_order_hold(system, dt))
+        held = state_space(system) if sampled else zero_order_hold(system, dt)
         self.inputs, self.outputs = tuple(held.input_labels), tuple(held.output_labels)
         if both := set(self.inputs) & set(self.outputs):
             raise FmuError(

@@ -68,8 +68,8 @@ def io_system(
     >>> from jounce.plant.fmu import export_fmu
     >>> from jounce.plant.fmu.exporting.compile import host_platform
     >>> from jounce.plant.fmu.importing.load import load_fmu
-    >>> gains = control.ss([], [], [], [[1.0, -1.0, -2.0]], 0.5,
-    ...                    inputs=["r", "y", "y_rate"], outputs=["u"], name="controller")
+    >>> gains = control.nlsys(None, lambda t, x, u, params: u[0] - u[1] - 2.0 * u[2], dt=0.5,
+    ...                       inputs=["r", "y", "y_rate"], outputs=["u"], name="controller")
     >>> with TemporaryDirectory() as folder:
     ...     here = [host_platform()]
     ...     written = export_fmu(Inertia(2.0), f"{folder}/plant.fmu", platforms=here)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ....shaping.checks import positive, whole
 from ....shaping.pieces import FloatArray
+from ...linear_system import linear_system
 from ...sampled import zero_order_hold
 from .description import FmuError, candidates
 from .io_system import plain_names
@@ -201,16 +202,14 @@ def _named(
     matrices: tuple[FloatArray, ...],
     states: list[str],
 ) -> control.StateSpace:
-    import control
-
     inputs, outputs = plain_names(fmu.input_names), plain_names(fmu.output_names)
-    return control.ss(
-        *(*matrices, np.zeros((len(rows), len(columns))), dt),
+    return linear_system(
+        (*matrices, np.zeros((len(rows), len(columns)))),
+        dt,
         inputs=[inputs[j] for j in columns],
         outputs=[outputs[i] for i in rows],
         states=plain_names(states),
         name=plain_names([fmu.description.model_name])[0],
-        remove_useless_states=False,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ....shaping.real_numbers import real_array, real_number
 from .description import FmuError, FmuVariable, candidates
 from .library import WARNING
 
@@ -92,11 +93,12 @@ class Port:
             for place, value in found.items():
                 self.values[place] = value
             return
-        array = np.asarray(given)
-        if array.dtype.kind not in "biuf":
-            flat = np.asarray(given, dtype=object).reshape(-1)
-            names = self.labels if len(self.labels) == flat.size else ["inputs"] * flat.size
-            array = np.array([_number(*pair) for pair in zip(names, flat, strict=True)])
+        if isinstance(given, list | tuple) and len(given) == len(self.labels):
+            array = np.array([_number(*pair) for pair in zip(self.labels, given, strict=True)])
+        elif isinstance(given, np.ndarray | np.bool_) and given.dtype == bool:
+            array = given.astype(float)
+        else:
+            array = real_array("inputs", given)
         if array.ndim == 0 and self.shape == (1,):
             array = array[None]
         if array.shape != self.shape:
@@ -116,9 +118,6 @@ class Port:
 
 
 def _number(name: str, value: Any) -> float:
-    if isinstance(value, str | bytes | None) or np.ndim(value):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number")
-    try:
+    if isinstance(value, bool | np.bool_):
         return float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"input {name!r} = {value!r}: expected a number") from None
+    return real_number(f"input {name!r}", value)

@@ -2,13 +2,21 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from jounce.analysis.gate.baseline import Baseline, Stored, check_origin, load_baseline
+from jounce.analysis.gate.baseline import (
+    Baseline,
+    Stored,
+    check_origin,
+    in_unit,
+    load_baseline,
+    stored_conditions,
+)
 from jounce.analysis.gate.check_file import CheckError
 
 NUMBERS = {
@@ -178,3 +186,59 @@ def test_another_origin_is_refused(scenario, unit, words):
         check_origin(BASELINE, Path("b.json"), scenario, unit)
     assert str(refusal.value).startswith(f"b.json: {words}")
     assert str(refusal.value).endswith("delete the file and store anew with --update")
+
+
+CONDITIONS = {
+    ("moves", "a.b é", "settle_to"): "0.05 arcsec",
+    ("moves", "a.b é", "limits", "jerk"): "-1 to 2 mm/s^3",
+    ("controller", "gains"): "design",
+}
+
+
+@pytest.mark.parametrize("conditions", [None, {}, CONDITIONS])
+def test_conditions_come_back(tmp_path, conditions):
+    path = tmp_path / "case.baseline.json"
+    baseline = replace(BASELINE, conditions=conditions)
+    baseline.write(path)
+    assert load_baseline(path) == baseline
+    assert ("conditions" in json.loads(path.read_text("utf-8"))) == (conditions is not None)
+
+
+@pytest.mark.parametrize(
+    ("broken", "line"),
+    [
+        (3, "conditions: 3 is not a table; delete the file"),
+        ("x", "conditions: 'x' is not a table; delete the file"),
+        ({"plant": {"inertia": 3}}, "conditions.plant.inertia: 3 is not text; delete the file"),
+        ({"moves": []}, "conditions.moves: [] is not text; delete the file"),
+    ],
+    ids=range(4),
+)
+def test_broken_conditions_are_explained(tmp_path, broken, line):
+    (problem,) = problems(write(tmp_path, content() | {"conditions": broken}))
+    assert problem.startswith(line)
+
+
+def test_a_file_without_conditions_says_how_to_get_them():
+    with pytest.raises(CheckError) as refusal:
+        stored_conditions(BASELINE, Path("b.json"))
+    assert str(refusal.value).startswith("b.json: was stored without the conditions")
+    assert str(refusal.value).endswith("store it anew with --update")
+    assert stored_conditions(replace(BASELINE, conditions={}), Path("b.json")) == {}
+
+
+def test_positions_change_with_the_unit_and_nothing_else():
+    converted = in_unit(BASELINE, "mas")
+    assert converted.position_unit == "mas"
+    peak, left = ("moves", "a.b", "peaks", "velocity"), list(NUMBERS)[2]
+    assert converted.numbers[peak] == Stored(-100.0, 0.1, 2000.0)
+    assert converted.numbers[left].atol == pytest.approx(1e-297)
+    assert [converted.numbers[key] for key in list(NUMBERS)[:2]] == list(NUMBERS.values())[:2]
+    check_origin(converted, Path("b.json"), "Axis [1]", "mas")
+
+
+@pytest.mark.parametrize("unit", ["arcsec", "mm", "lux", None])
+def test_a_unit_of_another_kind_leaves_a_baseline_as_it_is(unit):
+    assert in_unit(BASELINE, unit) is BASELINE
+    loop = replace(BASELINE, position_unit=None)
+    assert in_unit(loop, "mm") is loop

@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from jounce.analysis.gate.check_file import CheckError, Checks, Requirement, load_checks
+from jounce.analysis.gate.check_file import (
+    CheckError,
+    Checks,
+    Requirement,
+    load_checks,
+    wants_baseline,
+)
 from jounce.analysis.gate.numbers import Number
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -200,3 +206,27 @@ def test_any_value_anywhere_is_taken_or_explained(tmp_path_factory, place, value
             raise AssertionError(str(error)) from None
     else:
         assert all(asked.least <= asked.most for asked in checks.requirements.values())
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("", True),
+        ("baseline = true", True),
+        ("baseline = false\nrtol = 1e-3", False),
+        ("baseline = { max = 1 }", True),
+    ],
+)
+def test_a_file_may_say_that_there_is_no_baseline(write, text, wanted):
+    path = write(text)
+    assert wants_baseline(path) is wanted
+    number = Number(("moves", "go", "residual_vibration", "baseline"), 1.0, "lower")
+    checks = load_checks(path, [*NUMBERS, number])
+    assert set(checks.requirements) == ({number.key} if "max" in text else set())
+
+
+@pytest.mark.parametrize("said", ["'none'", "0", "[]", "1.5", "2026-01-01"])
+def test_anything_else_said_of_it_is_explained(write, said):
+    path = write(f"baseline = {said}")
+    with pytest.raises(CheckError, match=r"is neither true nor false; write baseline = false whe"):
+        wants_baseline(path)

@@ -2,14 +2,19 @@
 
 import math
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from rich.console import Console
 
 from jounce.analysis.gate.check import GateReport
 from jounce.analysis.gate.comparison import Row
+from jounce.analysis.gate.conditions import Change
 from jounce.analysis.gate.formats import (
+    BadInput,
+    GateTable,
     github_error,
     github_lines,
     junit_error,
@@ -18,6 +23,7 @@ from jounce.analysis.gate.formats import (
     shown_rows,
     summary,
     table_text,
+    tally,
 )
 
 INF = math.inf
@@ -166,3 +172,106 @@ def test_junit_of_an_update_fails_on_bounds_alone():
 def test_junit_is_xml_whatever_the_title_and_path(text):
     found = report(SAME, title=text, path=Path(f"{text}.toml"), unstable=text)
     ElementTree.fromstring(junit_text(found).encode("utf-8"))
+
+
+CHANGED = Change(("moves", "go", "settle_to"), "0.05 arcsec", "0.5 arcsec")
+REDESIGNED = Change(("feedforward", "inertia"), "2 kg", "3 kg")
+ACCEPT = "\nTo accept what is asked and measured, store it with --update"
+
+
+@pytest.mark.parametrize(
+    ("found", "text"),
+    [
+        (report(BETTER, changes=(CHANGED,)),
+         f"FAILED: 1 condition changed, 1 numbers (1 better){ACCEPT}"),
+        (report(SAME, WORSE, changes=(CHANGED, CHANGED)),
+         f"FAILED: 2 conditions changed, 1 of 2 numbers (1 worse, 1 same){ACCEPT}"),
+        (report(SAME, changes=(REDESIGNED,)), "Passed: 1 numbers (1 same)"),
+        (report(SAME, changes=(CHANGED,), update=True), "Passed: 1 numbers (1 same)"),
+        (report(SAME, changes=(CHANGED,), overrides=("a = 1",)),
+         "FAILED: 1 condition changed, 1 numbers (1 same)"),
+        (report(WITHIN, missing="b.json is missing"),
+         "FAILED: b.json is missing\n1 numbers (1 within)"),
+        (report(OUTSIDE, missing="b.json is missing"),
+         "FAILED: b.json is missing\nFAILED: 1 of 1 numbers (1 outside)"),
+    ],
+    ids=["loosened", "both", "redesigned", "update", "override", "missing", "missing-outside"],
+)  # fmt: skip
+def test_the_summary_counts_conditions(found, text):
+    assert summary(found) == text
+    assert found.passed == text.startswith("Passed")
+    assert report_text(found).endswith(text)
+
+
+def test_the_table_shows_what_changed_with_units():
+    text = table_text([SAME, BETTER, REDESIGNED, CHANGED], "Title")
+    lines = [line.split() for line in text.splitlines()]
+    row = [CHANGED.name, "0.05", "arcsec", "0.5", "arcsec", "changed"]
+    assert row in lines
+    assert ["feedforward.inertia", "2", "kg", "3", "kg", "redesigned"] in lines
+    assert lines.index(row) < next(i for i, line in enumerate(lines) if BETTER.name in line)
+
+
+def test_annotations_and_junit_tell_of_conditions():
+    found = report(SAME, changes=(CHANGED, REDESIGNED), missing="b.json is missing")
+    sentence = (
+        "moves.go.settle_to is 0.5 arcsec, was 0.05 arcsec: changed, and numbers depend on it"
+    )
+    missing, changed = github_lines(found)
+    assert missing.endswith("::b.json is missing")
+    assert changed.startswith("::error file=")
+    assert changed.endswith(f"::{sentence}")
+    (suite,) = ElementTree.fromstring(junit_text(found))
+    assert [suite.get(key) for key in ("tests", "failures", "errors")] == list("420")
+    assert [case.get("name") for case in suite] == [
+        "stable",
+        "baseline",
+        "moves.go.settle_to",
+        "margins.disk_margin",
+    ]
+    assert [failure.text for failure in suite.iter("failure")] == ["b.json is missing", sentence]
+
+
+def test_an_override_is_named_wherever_the_report_goes():
+    found = report(WORSE, overrides=("limits.axis.jerk = '3 deg/s^3'",))
+    for text in (report_text(found), *github_lines(found), junit_text(found)):
+        assert "with limits.axis.jerk = '3 deg/s^3'" in " ".join(text.split())
+
+
+def test_a_narrow_console_has_sentences():
+    """No name of a number is broken, though it be longer than a column."""
+    rows = [SAME, WORSE, replace(BETTER, key=("moves", "60 arcsec step", "varied_peak_error"))]
+    for width, table in ((160, True), (120, True), (60, False)):
+        out = StringIO()
+        Console(file=out, width=width, color_system=None).print(GateTable(rows, "Title"))
+        text = out.getvalue()
+        assert ("allowed   verdict" in text) == table
+        assert max(map(len, text.splitlines())) <= width
+        assert 'moves."60 arcsec step".varied_peak_error' in text
+    assert text.index("worse") < text.index("better") < text.index("same")
+
+
+def test_junit_has_a_suite_for_each_scenario():
+    found = report(SAME), report(WORSE, path=Path("b/axis,1.toml"))
+    text = junit_text(*found, BadInput(Path("c.toml"), "broken"))
+    suites = list(ElementTree.fromstring(text))
+    assert [suite.get("name") for suite in suites] == [
+        "Axis [1]: 100 %, <&> (a folder/axis,1.toml)",
+        "Axis [1]: 100 %, <&> (b/axis,1.toml)",
+        "c.toml",
+    ]
+    assert [suite.get("failures") + suite.get("errors") for suite in suites] == ["00", "10", "01"]
+    classes = [{case.get("classname") for case in suite} for suite in suites]
+    assert classes == [
+        {"jounce.check.a folder/axis,1"},
+        {"jounce.check.b/axis,1"},
+        {"jounce.check.c"},
+    ]
+
+
+def test_the_tally_counts_scenarios():
+    bad = BadInput(Path("c.toml"), "broken")
+    assert tally([report(SAME), report(BETTER)]) == "2 scenarios: 2 passed"
+    assert tally([bad, report(WORSE), report(SAME)]) == (
+        "3 scenarios: 1 passed, 1 FAILED, 1 could not be checked"
+    )

@@ -144,6 +144,68 @@ def test_what_is_no_loop_is_refused(kept):
         kept(LOOP, rtol=float("nan"))
 
 
+def test_a_delay_is_taken_and_kept(kept):
+    with pytest.raises(CREATED, match="created"):
+        kept(LOOP, delay=0.02)
+    kept(LOOP, delay=0.02)
+    kept(control.ss(LOOP), delay=0.02)
+    tree = json.loads(kept.path.read_text())
+    stored = tree["numbers"]["margins"]["phase_margin_deg"]["value"]
+    plain = loop_margins(LOOP)
+    assert stored == pytest.approx(plain.phase_margin_deg - 360 * plain.crossover_hz * 0.02)
+    assert tree["conditions"] == {"delay": "0.02 s"}
+    with pytest.raises(
+        AssertionError, match=r"and 1 of the conditions(.|\n)*delay +0.02 s +0.03 s"
+    ):
+        kept(LOOP, delay=0.03)
+    with pytest.raises(AssertionError, match=r"delay +0.02 s +none +changed"):
+        kept(LOOP)
+
+
+def test_a_loop_without_delay_stores_no_condition(kept):
+    with pytest.raises(CREATED):
+        kept(LOOP)
+    assert "conditions" not in json.loads(kept.path.read_text())
+    with pytest.raises(AssertionError, match=r"and 1 of the conditions(.|\n)*delay +none +1e-09 s"):
+        kept(LOOP, delay=1e-9)
+
+
+def test_a_servo_loop_takes_a_delay(kept):
+    with pytest.raises(CREATED):
+        kept(SERVO, delay=0.01)
+    kept(SERVO.loop_transfer(), delay=0.01)
+
+
+@pytest.mark.parametrize("loop", [EXAMPLE, str(EXAMPLE), loop_margins(LOOP)])
+def test_what_has_its_margins_takes_no_delay(kept, loop):
+    with pytest.raises(ValueError, match=r"delay = 0.1 of a \w+: expected an open loop or a Servo"):
+        kept(loop, delay=0.1)
+    with pytest.raises(ValueError, match=r"delay = -1.0: expected a number of seconds"):
+        kept(LOOP, delay=-1.0)
+    assert not kept.path.exists()
+
+
+def test_a_changed_condition_of_a_scenario_fails(kept):
+    with pytest.raises(CREATED):
+        kept(EXAMPLE)
+    name = 'moves."azimuth offset".settle_to'
+    kept(load_scenario(EXAMPLE, overrides={name: "0.0166666666666667 arcmin"}))
+    with pytest.raises(AssertionError, match="numbers differ") as failure:
+        kept(load_scenario(EXAMPLE, overrides={name: "2 arcsec"}))
+    row = next(line for line in str(failure.value).splitlines() if name in line)
+    assert row.split()[-5:] == ["0.000277777777778", "deg", "0.000555555555556", "deg", "changed"]
+
+
+def test_a_file_of_a_scenario_without_conditions_is_stored_anew(kept):
+    with pytest.raises(CREATED):
+        kept(EXAMPLE)
+    tree = json.loads(kept.path.read_text())
+    del tree["conditions"]
+    kept.path.write_text(json.dumps(tree))
+    with pytest.raises(AssertionError, match=r"without the conditions .* pytest --force-regen"):
+        kept(EXAMPLE)
+
+
 TEST_FILE = """
 import os
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from jounce.analysis import load_scenario, loop_margins, survey
-from jounce.analysis.gate.numbers import RTOL, Number, loop_numbers, survey_numbers
+from jounce.analysis.gate.numbers import RTOL, Number, is_position, loop_numbers, survey_numbers
 from jounce.analysis.report import survey_data
 from jounce.analysis.scenario import FilterSection, Mode
 
@@ -46,6 +46,20 @@ def test_every_number_is_the_survey_files(rubin):
         varied = move["responses"][2:]
         for key in ("settling_time_s", "peak_error"):
             assert numbers[f"{start}.varied_{key}"] == max(entry[key] for entry in varied)
+
+
+def test_positions_are_what_another_unit_changes():
+    """And their rounding with them; a mode's name does not matter."""
+    modes = (Mode("duration_s", 3.0, 0.01),)
+    scenario = replace(load_scenario(EXAMPLES / "telescope.toml"), modes=modes)
+    found = survey(scenario)
+    other = replace(found, scenario=replace(scenario, position_unit="deg"))
+    pairs = list(zip(survey_numbers(found), survey_numbers(other), strict=True))
+    for number, same in pairs:
+        ratio = 3600.0 if is_position(number.key) else 1.0
+        assert number.value == pytest.approx(same.value * ratio, rel=1e-12, abs=0.0), number.name
+        assert number.atol == pytest.approx(same.atol * ratio, rel=1e-12, abs=0.0)
+    assert sum(is_position(number.key) for number, _ in pairs) == 2 * 6
 
 
 def test_derivatives_beyond_pop_have_plain_names(rubin):

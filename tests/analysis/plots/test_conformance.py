@@ -1,6 +1,5 @@
 """Pictures of conformance: panels, labels, limits and the extremes of long logs."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,12 +19,6 @@ def a_log(count):
 @pytest.fixture(scope="module")
 def report():
     return conformance(*a_log(1500), Limits(velocity=1.2, acceleration=(-1.5, 2.5)))
-
-
-@pytest.fixture(autouse=True)
-def _no_pyplot_state():
-    yield
-    assert plt.get_fignums() == []
 
 
 def test_three_panels_with_labels_limits_and_verdicts(report):

@@ -1,6 +1,5 @@
 """Pictures of describing functions: the data that they are given, labels with units."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -18,12 +17,6 @@ SIZES, OMEGA = np.array([0.1, 1.0, 10.0]), np.geomspace(0.01, 100.0, 50)
 @pytest.fixture
 def ax():
     return Figure().subplots()
-
-
-@pytest.fixture(autouse=True)
-def _no_pyplot_state():
-    yield
-    assert plt.get_fignums() == []
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -22,12 +21,6 @@ INERTIA, DELAY = np.linspace(0.3, 4.0, 60), np.linspace(0.0, 0.11, 50)
 @pytest.fixture
 def ax() -> Axes:
     return Figure().subplots()
-
-
-@pytest.fixture(autouse=True)
-def _no_pyplot_state():
-    yield
-    assert plt.get_fignums() == []
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """Pictures of shapers: labelled, with units, and of the data that they are given."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -22,12 +21,6 @@ LIMITS = Limits(velocity=2.0, acceleration=4.0, jerk=20.0)
 @pytest.fixture
 def ax() -> Axes:
     return Figure().subplots()
-
-
-@pytest.fixture(autouse=True)
-def _no_pyplot_state():
-    yield
-    assert plt.get_fignums() == []
 
 
 def render(figure: Figure) -> None:

@@ -4,7 +4,6 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -40,12 +39,6 @@ def rubin():
 @pytest.fixture
 def ax() -> Axes:
     return Figure().subplots()
-
-
-@pytest.fixture(autouse=True)
-def _no_pyplot_state():
-    yield
-    assert plt.get_fignums() == []
 
 
 def drawn(name: str, found, ax: Axes) -> Axes:

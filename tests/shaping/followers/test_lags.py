@@ -1,8 +1,5 @@
 """The lags behind a follower: the exponential of the whole system's matrix, the filter itself."""
 
-from itertools import accumulate
-from math import factorial, inf
-
 import mpmath
 import numpy as np
 import pytest
@@ -10,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import COMMANDS, Following, random_following
 
+from jounce import core
 from jounce.shaping import CommandFollower, JerkFilter, Limits, Trajectory, min_time_transfer
-from jounce.shaping.followers.lags import Lags, advance, one_piece, output
 
 ORDER_2 = Limits(velocity=(-2.0, 3.0), acceleration=(-1.5, 1.0))
 ORDER_3 = Limits(velocity=(-2.0, 3.0), acceleration=(-1.5, 1.0), jerk=(-2.0, 4.0))
@@ -58,9 +55,9 @@ def drawn_lags(jerk_filter, seed):
 def test_lags_follow_a_polynomial_exactly(jerk_filter, motion, seed, tau):
     lags = drawn_lags(jerk_filter, seed)
     expected, _ = exact(jerk_filter, lags, motion, tau)
-    found = advance(lags, motion, tau, jerk_filter)
+    found = core.advance_lags(lags, motion, tau, jerk_filter.omega)
     slack = 1e-13 * size(jerk_filter, lags, motion, tau)
-    text = f"advance({lags}, {motion}, {tau}, {jerk_filter})"
+    text = f"core.advance_lags({lags}, {motion}, {tau}, {jerk_filter.omega})"
     np.testing.assert_allclose(found, expected, rtol=0, atol=slack, err_msg=text)
 
 
@@ -70,64 +67,11 @@ def test_the_steady_state_behind_a_ramp_stays_that(jerk_filter, level, slope, ta
         ramp = Trajectory([0.0, 1.0], [[position, slope, 0.0]])
         return jerk_filter.steady_state(ramp)
 
-    found = advance(steady(level).tolist(), (level, slope, 0.0, 0.0), tau, jerk_filter)
+    found = core.advance_lags(
+        steady(level).tolist(), (level, slope, 0.0, 0.0), tau, jerk_filter.omega
+    )
     slack = 1e-13 * size(jerk_filter, found, (level, slope), tau)
     np.testing.assert_allclose(found, steady(level + slope * tau), rtol=0, atol=slack)
-
-
-@pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("filter_order", [1, 2, 6])
-def test_samples_of_one_piece_and_of_many_agree(order, filter_order):
-    jerk_filter, rng, dt = JerkFilter(0.8, filter_order), np.random.default_rng(order), 0.3
-    lags = Lags(jerk_filter, order, dt)
-    state, motion = rng.normal(size=filter_order), rng.normal(size=order + 1).tolist()
-    once = lags.after_sample(state, motion)
-    np.testing.assert_allclose(once, advance(state, motion, dt, jerk_filter), rtol=1e-12)
-    edges = [0.0, 0.07, 0.11, 0.2999, 0.9]
-    pieces = [(b - a, exact(jerk_filter, state, motion, a)[1])
-              for a, b in zip(edges, [*edges[1:], inf], strict=True)]  # fmt: skip
-    np.testing.assert_allclose(lags.after_pieces(state, pieces), once, rtol=1e-12)
-    whole = lags.after_pieces(state, [(dt, motion), (inf, [1e9] * (order + 1))])
-    np.testing.assert_allclose(whole, once, rtol=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_sample_of_different_pieces_is_the_sum_of_its_parts(seed):
-    rng, jerk_filter, dt = np.random.default_rng(seed), JerkFilter(1.3, 4), 0.5
-    lengths = rng.uniform(0.05, 0.25, 6).tolist()
-    pieces = [(length, rng.normal(size=4).tolist()) for length in lengths]
-    state = rng.normal(size=4)
-    expected = state.tolist()
-    for (length, motion), end in zip(pieces, accumulate(lengths), strict=True):
-        kept = min(length, dt - (end - length))
-        if kept > 0.0:
-            expected, _ = exact(jerk_filter, expected, motion, kept)
-    found = Lags(jerk_filter, 3, dt).after_pieces(state, [*pieces, (inf, pieces[-1][1])])
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
-
-
-def after(motion, dt):
-    """Return position and derivatives a time later."""
-    shape = np.polynomial.Polynomial([x / factorial(k) for k, x in enumerate(motion)])
-    return tuple(float((shape.deriv(k) if k else shape)(dt)) for k in range(len(motion)))
-
-
-@given(motion=MOTIONS, dt=st.floats(1e-3, 10.0), unit=st.sampled_from([1e-9, 1.0, 1e9]))
-def test_a_sample_of_one_piece_is_told_from_one_with_a_switch(motion, dt, unit):
-    before = tuple(x * unit for x in motion)
-    assert one_piece(before, after(before, dt), dt)
-    assert one_piece((*before[:-1], 7.0 * unit), after(before, dt), dt)  # what was before: no part
-    middle = after(before, 0.5 * dt)
-    switched = after((*middle[:-1], middle[-1] + unit), 0.5 * dt)
-    extent = max(abs(x) * dt**k for k, x in enumerate(motion[:-1]))
-    if dt ** (len(motion) - 1) > 1e-6 * extent:
-        assert not one_piece(before, switched, dt)
-
-
-def test_resting_is_one_piece():
-    assert one_piece((3.0, 0.0, 0.0), (3.0, 0.0, 0.0), 0.1)
-    assert one_piece((0.0, 0.0, 0.0, 2.0), (0.0, 0.0, 0.0, 0.0), 0.1)
-    assert not one_piece((0.0, 0.0, 0.0), (1e-300, 0.0, 0.0), 0.1)
 
 
 @given(jerk_filter=FILTERS, motion=MOTIONS, seed=st.integers(0, 99))
@@ -135,7 +79,8 @@ def test_output_and_its_derivatives_are_those_of_the_last_lag(jerk_filter, motio
     """Powers of the system's matrix; the motion shows in derivatives beyond the filter's order."""
     lags = drawn_lags(jerk_filter, seed)
     order, omega = len(motion) - 1, jerk_filter.omega
-    found = output(np.array(motion), np.array(lags), omega)
+    follower = CommandFollower((ORDER_2, ORDER_3)[order - 2], dt=1.0, jerk_filter=jerk_filter)
+    found = follower.output((*motion, *lags))
     with mpmath.workdps(60):
         state, matrix = mpmath.matrix([*lags, *motion]), system(jerk_filter, order)
         for k in range(order + 1):
@@ -150,7 +95,9 @@ def test_output_and_its_derivatives_are_those_of_the_last_lag(jerk_filter, motio
 def test_output_agrees_with_the_filters_own_weights(filter_order):
     jerk_filter, rng = JerkFilter(0.4, filter_order), np.random.default_rng(3)
     states, lags = rng.normal(size=(4, 5)), rng.normal(size=(filter_order, 5))
-    found = output(states, lags, jerk_filter.omega)
+    follower = CommandFollower(ORDER_3, dt=1.0, jerk_filter=jerk_filter)
+    each = [follower.output((*row, *lag)) for row, lag in zip(states.T, lags.T, strict=True)]
+    found = np.array(each).T
     chain = np.vstack([states[:1], lags])
     for k in range(4):
         expected = jerk_filter.derivative_weights(k) @ chain

@@ -1,4 +1,4 @@
-"""Following with bounded jerk: the motion inside samples, plans kept, ramps, no chatter."""
+"""Following with bounded jerk: the motion inside samples, ramps, no chatter."""
 
 import os
 from math import copysign
@@ -11,7 +11,6 @@ from references import replay
 from strategies import COMMANDS, Following, random_following
 
 from jounce.shaping import CommandFollower, Limits, min_time_transfer, velocity_transfer
-from jounce.shaping.followers import approach as course
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 SEEDS = range(20 if SLOW else 3)
@@ -66,39 +65,6 @@ def test_no_bound_is_exceeded_at_any_sample(seed, kind, moving):
 
 
 # Plans
-
-
-@pytest.mark.parametrize("velocity", [None, 0.3, 1.1])
-def test_a_plan_is_kept_while_the_commands_stay_on_its_course(monkeypatch, velocity):
-    plans = []
-
-    def counted(*given):
-        plans.append(given)
-        return approach(*given)
-
-    approach = course.approach
-    monkeypatch.setattr(course, "approach", counted)
-    follower = CommandFollower(BOTH_WAYS, dt=0.01)
-    ramp = 5.0 + (velocity or 0.0) * 0.01 * np.arange(900)
-    follower.run(ramp, command_velocities=velocity)
-    assert len(plans) == 1
-    follower.run(np.repeat([1.0, 1.5, -2.0], 300))
-    assert len(plans) == 4
-
-
-@pytest.mark.parametrize("kind", COMMANDS)
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_plan_kept_ends_each_sample_where_a_new_one_does(seed, kind):
-    following = random_following(np.random.default_rng((5, seed)), 3, kind, moving=True)
-    states, follower = following.states(), following.follower()
-    units = 1e-11 * sizes(following, states)
-    samples = zip(states.T[:-1], states.T[1:], following.commands, following.speeds, strict=True)
-    for before, after, command, speed in samples:
-        anew = follower.step(before.tolist(), command, speed)
-        assert (np.abs(after - anew)[:3] <= units[:3]).all(), (following, before)
-
-
-# Constant commands
 
 
 @given(

@@ -10,7 +10,15 @@ from hypothesis import strategies as st
 from references import assert_sound_transfer, can_take, published_transfers
 from strategies import TransferProblem, random_transfer, transfer_problems
 
-from jounce.shaping import InfeasibleError, Limits, min_time_transfer, synchronize
+from jounce.shaping import (
+    InfeasibleError,
+    Limits,
+    min_jerk_move,
+    min_time_move,
+    min_time_transfer,
+    s_curve_move,
+    synchronize,
+)
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 MODES = ("start", "end", "both", "straight-line")
@@ -344,9 +352,156 @@ def test_velocities_off_the_line_are_refused():
         synchronize([(0.0, (1.0, 0.0, 0.25), SMOOTH), (0.0, 9.0, SMOOTH)], "straight-line")
 
 
-def test_straight_lines_need_one_order():
-    with pytest.raises(ValueError, match=r"axes of orders \[2, 3\]: expected limits of one order"):
-        synchronize([(0.0, 1.0, PLAIN), (0.0, 1.0, SMOOTH)], "straight-line")
+def test_a_straight_line_of_two_orders_needs_rest():
+    moving = ((0.0, 0.5), 1.0, PLAIN)
+    with pytest.raises(ValueError, match=r"axis 0 moves at its start or end: a straight line of"):
+        synchronize([moving, (0.0, 1.0, SMOOTH)], "straight-line")
+
+
+# Moves and S-curves
+
+SNAP = Limits(velocity=2.0, acceleration=1.5, jerk=4.0, snap=30.0)
+POP = Limits.from_bounds([3.0, 2.0, 6.0, 40.0, 300.0, 3000.0])
+RATES = {"velocity": 2.0, "acceleration": 1.0, "deceleration": 3.0}
+
+
+def some_axes():
+    """Return motions from rest to rest of many kinds, each with its bounds, velocity first."""
+    uneven = {**RATES, "acceleration_jerk": 3.0, "deceleration_jerk": 9.0}
+    curve = [(-2.0, 2.0), (-3.0, 1.0), (-9.0, 9.0)]
+    percent = s_curve_move(3.0, jerk_percent=0.5, **RATES)
+    quintic = min_jerk_move(2.0, duration=1.5)
+    return [
+        (min_time_move(4.0, SNAP), pairs(SNAP)),
+        (min_time_move(-1.5, POP, start=7.0), pairs(POP)),
+        (min_time_move(1.0, Limits(velocity=0.5)), [(-0.5, 0.5)]),
+        (min_time_transfer(1.0, 2.5, SMOOTH), pairs(SMOOTH)),
+        (s_curve_move(5.0, **uneven), curve),
+        (s_curve_move(-5.0, start=1.0, **uneven), [(-high, -low) for low, high in curve]),
+        (percent, [(-2.0, 2.0), (-4.0, 4.0 / 3.0)]),
+        (quintic, [(-quintic.peak(k), quintic.peak(k)) for k in (1, 2, 3)]),
+        (min_time_move(0.0, SNAP, start=2.0), pairs(SNAP)),
+    ]
+
+
+def pairs(limits):
+    return [limits.bounds(k) for k in range(1, limits.order + 1)]
+
+
+def assert_kept(motion, original, bounds):
+    """Assert ends, rest and bounds by values on a fine grid, highest derivative included."""
+    assert motion.start_state[0] == pytest.approx(original.start_state[0], abs=1e-12)
+    assert motion.end_state[0] == pytest.approx(original.end_state[0], abs=1e-12)
+    times = np.union1d(np.linspace(motion.start_time, motion.end_time, 4001), motion.breaks)
+    values = motion.evaluate(times[:-1]) if len(times) > 1 else motion.evaluate(times)
+    for k, (low, high) in enumerate(bounds, start=1):
+        if k > motion.order:
+            break
+        assert values[k].min() >= low - 1e-9 * abs(low), (k, values[k].min())
+        assert values[k].max() <= high + 1e-9 * high, (k, values[k].max())
+    assert motion.order >= len(bounds)
+    assert abs(values[1, 0]) <= 1e-12 or len(bounds) == 1
+    # the positions are the integral of the velocities
+    inside = 0.5 * (times[1:] + times[:-1])
+    step = np.diff(times)
+    simpson = (motion(times[:-1], 1) + 4.0 * motion(inside, 1) + motion(times[1:], 1)) / 6.0
+    distance = original.end_state[0] - original.start_state[0]
+    assert float(simpson @ step) == pytest.approx(distance, abs=1e-3 * max(abs(distance), 1.0))
+
+
+def test_moves_that_start_together_are_as_they_were():
+    axes = some_axes()
+    started = synchronize([axis for axis, _ in axes], "start")
+    for motion, (axis, _) in zip(started, axes, strict=True):
+        assert motion.start_time == 0.0
+        assert motion.duration == axis.duration
+        np.testing.assert_array_equal(motion.states, axis.states)
+
+
+def test_a_start_time_of_its_own_is_dropped_at_the_start():
+    late = s_curve_move(5.0, delay=2.0, acceleration_jerk=3.0, **RATES)
+    [started] = synchronize([late], "start")
+    assert (started.start_time, started.duration) == (0.0, pytest.approx(late.duration))
+
+
+def test_moves_that_end_together_wait_first():
+    axes = some_axes()
+    latest = max(axis.duration for axis, _ in axes)
+    for motion, (axis, bounds) in zip(
+        synchronize([axis for axis, _ in axes], "end"), axes, strict=True
+    ):
+        assert motion.end_time == pytest.approx(latest, rel=1e-14)
+        assert motion.duration == pytest.approx(axis.duration, rel=1e-13, abs=1e-14)
+        assert motion(0.0) == pytest.approx(axis.start_state[0], abs=1e-12)
+        assert_kept(motion, axis, bounds)
+
+
+@pytest.mark.parametrize("chosen", [slice(None), slice(0, 2), slice(3, 7), slice(4, 6)], ids=str)
+def test_moves_of_both_ends_together_keep_their_bounds(chosen):
+    axes = some_axes()[chosen]
+    longest_own = max(axis.duration for axis, _ in axes)
+    for motion, (axis, bounds) in zip(synchronize([a for a, _ in axes]), axes, strict=True):
+        assert motion.start_time == 0.0
+        assert motion.duration == pytest.approx(longest_own, rel=1e-13)
+        assert_kept(motion, axis, bounds)
+
+
+@pytest.mark.parametrize("chosen", [slice(None), slice(0, 2), slice(3, 7), slice(4, 6)], ids=str)
+def test_moves_on_a_straight_line_are_one_scaled_move_within_all_bounds(chosen):
+    axes = some_axes()[chosen]
+    motions = synchronize([axis for axis, _ in axes], "straight-line")
+    durations = {motion.duration for motion in motions}
+    assert len(durations) == 1
+    assert durations.pop() >= max(axis.duration for axis, _ in axes) * (1.0 - 1e-3)
+    times = np.linspace(0.0, motions[0].duration, 501)
+    fractions = []
+    for motion, (axis, bounds) in zip(motions, axes, strict=True):
+        assert_kept(motion, axis, bounds)
+        span = axis.end_state[0] - axis.start_state[0]
+        if span:
+            fractions.append((motion(times) - axis.start_state[0]) / span)
+    for fraction in fractions:
+        np.testing.assert_allclose(fraction, fractions[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("limits", [SNAP, POP, Limits(1.0), SMOOTH], ids=[4, 6, 1, 3])
+def test_under_the_same_limits_the_longest_move_is_the_line(limits):
+    far, near = min_time_move(5.0, limits), min_time_move(-2.0, limits, start=1.0)
+    long, short = synchronize([far, near], "straight-line")
+    assert long.duration == short.duration == pytest.approx(far.duration, rel=1e-12)
+    assert [m.end_state[0] for m in (long, short)] == pytest.approx([5.0, -1.0], abs=1e-12)
+
+
+def test_a_line_takes_no_longer_than_the_fastest_move_within_all_bounds():
+    wide = Limits(velocity=1.0, acceleration=9.0, jerk=90.0, snap=900.0)
+    stiff = Limits(velocity=9.0, acceleration=9.0, jerk=2.0, snap=20.0)
+    one, _ = synchronize([min_time_move(5.0, wide), min_time_move(4.0, stiff)], "straight-line")
+    both = Limits(velocity=0.2, acceleration=9.0 / 5.0, jerk=0.5, snap=5.0)
+    assert one.duration <= min_time_move(1.0, both).duration * (1.0 + 1e-3)
+
+
+def test_orders_that_min_time_move_plans_can_be_given_by_their_ends():
+    planned = synchronize([(0.0, 4.0, SNAP), ((1.0, 0.0), (2.5, 0.0, 0.0), SMOOTH)])
+    slowest = min_time_move(4.0, SNAP).duration
+    assert [axis.duration for axis in planned] == pytest.approx([slowest, slowest], rel=1e-14)
+    with pytest.raises(ValueError, match=r"axis 0: limits of order 4: expected order 2"):
+        synchronize([((0.0, 0.5), 4.0, SNAP)])
+
+
+def test_what_moves_at_an_end_and_has_no_limits_takes_its_own_time():
+    curve = {**RATES, "acceleration_jerk": 3.0, "deceleration_jerk": 9.0}
+    passing = s_curve_move(5.0, final_velocity=1.0, **curve)
+    rest = min_time_move(0.5, SNAP)
+    fixed, stretched = synchronize([passing, rest])
+    assert fixed.duration == passing.duration
+    assert stretched.duration == pytest.approx(passing.duration, rel=1e-14)
+    with pytest.raises(InfeasibleError, match="the axes have no duration in common"):
+        synchronize([passing, min_time_move(50.0, SNAP)])
+    with pytest.raises(ValueError, match="axis 0 moves at its start or end"):
+        synchronize([passing, rest], "straight-line")
+    moving = s_curve_move(5.0, start=(0.0, 1.0), **curve)
+    with pytest.raises(ValueError, match="axis 0 moves at its start and cannot wait"):
+        synchronize([moving, min_time_move(50.0, SNAP)], "end")
 
 
 # Errors

@@ -1,23 +1,12 @@
 """The fastest change of velocity and acceleration: linear programs, and identities."""
 
-from math import inf
-
 import numpy as np
 import pytest
 from hypothesis import given
-from references import TRANSFER_END, assert_sound_transfer, least_duration, replay
+from references import assert_sound_transfer, least_duration
 from strategies import TransferProblem, random_transfer, transfer_problems
 
-from jounce.shaping.transfers.task import Task
-from jounce.shaping.transfers.velocity_change import change_velocity
-
-
-def changed(problem):
-    """Return the problem ended where its change of velocity ends, and that change's pieces."""
-    change = change_velocity(problem.task)
-    end = problem.start[0] + change.distance
-    moved = TransferProblem(problem.start, (end, *problem.end[1:]), problem.bounds)
-    return moved, change.pieces(problem.start[0])
+from jounce.shaping import InfeasibleError, Limits, velocity_transfer
 
 
 def unbounded_velocity(problem):
@@ -25,13 +14,20 @@ def unbounded_velocity(problem):
     return TransferProblem(problem.start, problem.end, (None, *problem.bounds[1:]))
 
 
+def change_of(problem):
+    acceleration = problem.end[2] if len(problem.end) == 3 else 0.0
+    return velocity_transfer(
+        problem.start, problem.end[1], problem.limits, acceleration=acceleration
+    )
+
+
 @given(problem=transfer_problems())
-def test_pieces_lead_to_the_end_within_the_bounds(problem):
-    change = change_velocity(problem.task)
-    moved, pieces = changed(unbounded_velocity(problem))
-    assert sum(duration for duration, _ in pieces) == pytest.approx(change.duration, rel=1e-13)
+def test_it_leads_to_the_end_within_the_bounds(problem):
+    problem = unbounded_velocity(problem)
+    change = change_of(problem)
     if change.duration > 0.0:
-        assert_sound_transfer(moved, moved.trajectory(pieces))
+        end = (float(change.end_state[0]), *problem.end[1:])
+        assert_sound_transfer(TransferProblem(problem.start, end, problem.bounds), change)
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -40,7 +36,7 @@ def test_no_change_that_a_linear_program_finds_is_faster(order, seed):
     """To it velocity is what position is to a transfer, one order less."""
     problem = random_transfer(np.random.default_rng((11, seed)), order)
     below = TransferProblem(problem.start[1:], problem.end[1:], problem.bounds[1:])
-    change = change_velocity(problem.task)
+    change = change_of(unbounded_velocity(problem))
     if order == 2:
         gain, pair = problem.end[1] - problem.start[1], problem.bounds[1]
         assert change.duration == pytest.approx(max(gain / side for side in pair), rel=1e-14)
@@ -52,40 +48,24 @@ def test_no_change_that_a_linear_program_finds_is_faster(order, seed):
 @pytest.mark.parametrize("order", [2, 3])
 @pytest.mark.parametrize("seed", range(20))
 def test_mirrored(order, seed):
-    problem = random_transfer(np.random.default_rng(seed), order)
-    change, other = change_velocity(problem.task), change_velocity(problem.task.mirror())
-    assert other.duration == change.duration
-    assert other.distance == -change.distance
-    back = change.mirror()
-    assert (back.task, back.duration) == (problem.mirrored().task, change.duration)
-    expected = [
-        (time, tuple(-value for value in row)) for time, row in change.pieces(problem.start[0])
-    ]
-    assert back.pieces(-problem.start[0]) == expected
-    assert back.mirror() == change
+    problem = unbounded_velocity(random_transfer(np.random.default_rng(seed), order))
+    there, back = change_of(problem), change_of(problem.mirrored())
+    assert back.durations.tolist() == there.durations.tolist()
+    assert back.states.tolist() == (-there.states).tolist()
 
 
-@given(problem=transfer_problems(orders=(3,)))
-def test_it_leaves_the_bounds_where_its_velocity_does(problem):
-    """From a start at rest within them, to ends that may be out of reach."""
-    v, (low, high) = problem.end[1], problem.bounds[1] or (-3.0, 3.0)
-    for a in (0.5 * low, low, 0.5 * high, high):
-        ends = TransferProblem((0.0, 0.0, 0.0), (0.0, v, a), problem.bounds)
-        moved, pieces = changed(ends)
-        bottom, top = problem.bounds[0] or (-inf, inf)
-        extremes = replay(moved.trajectory(pieces)).extremes[1]
-        excess = max(extremes[0] / bottom, extremes[1] / top) - 1.0
-        if abs(excess) > TRANSFER_END:
-            assert change_velocity(ends.task).leaves_bounds() is (excess > 0.0), (ends, excess)
+def test_an_end_that_builds_up_acceleration_beyond_the_bound_is_refused():
+    limits = Limits(velocity=1.0, acceleration=2.0, jerk=1.0)
+    with pytest.raises(InfeasibleError, match="cannot be reached within the velocity bound"):
+        velocity_transfer((0.0, 0.0, 0.0), -0.9, limits, acceleration=1.0)
 
 
 def test_nothing_to_change():
-    for task in (
-        Task(7.0, 1.0, 0.5, 1.0, 0.5, -inf, inf, -1.0, 1.0, 1.0, 1.0),
-        Task(7.0, 1.0, 0.0, 1.0, 0.0, -inf, inf, -1.0, 1.0, inf, inf),
-    ):
-        change = change_velocity(task)
-        assert (change.duration, change.distance, change.leaves_bounds()) == (0.0, 0.0, False)
+    smooth = velocity_transfer((7.0, 1.0, 0.5), 1.0, Limits(acceleration=1.0, jerk=1.0),
+                               acceleration=0.5)  # fmt: skip
+    stepping = velocity_transfer((7.0, 1.0), 1.0, Limits(acceleration=1.0))
+    for change in (smooth, stepping):
+        assert (change.duration, float(change.end_state[0])) == (0.0, 7.0)
 
 
 @pytest.mark.parametrize(
@@ -94,6 +74,7 @@ def test_nothing_to_change():
 )
 def test_from_rest_it_is_the_s_curve(gain, duration, peak, hold):
     """MEI, "S-Curve Jerk Algorithm": acceleration 1 and jerk 1, held from a gain of 1 on."""
-    change = change_velocity(Task(0.0, 0.0, 0.0, gain, 0.0, -inf, inf, -1.0, 1.0, 1.0, 1.0))
-    assert (change.duration, change.peak, change.hold) == (duration, peak, hold)
-    assert change.distance == pytest.approx(0.5 * gain * duration, rel=1e-15)
+    change = velocity_transfer(0.0, gain, Limits(acceleration=1.0, jerk=1.0))
+    held = change.durations[change.states[:, 3] == 0.0].sum()
+    assert (change.duration, change.states[1, 2], held) == (duration, peak, hold)
+    assert change.end_state[0] == pytest.approx(0.5 * gain * duration, rel=1e-15)

@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import remainder
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import finite, in_range, positive
-from ..jerk_filter import JerkFilter
-from ..limits import Limits
-from ..pieces import FloatArray
-from ..trajectory_checks import finite_array
-from ..transfers.problem import check_order
-from ..transfers.task import Piece, Task
-from . import second_order, third_order
-from .approach import approach
-from .lags import Lags, one_piece, output
+from .. import core
+from .checks import finite, positive, range_error, state_numbers
+from .frozen import Frozen
+from .jerk_filter import JerkFilter
+from .limits import Limits
+from .pieces import FloatArray
+from .trajectory import Trajectory
+from .trajectory_checks import finite_array
+from .transfers.problem import check_order
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +45,7 @@ class FollowerResponse:
 
 
 @dataclass(frozen=True)
-class CommandFollower:
+class CommandFollower(Frozen):
     """Follows any command in minimum time within limits, replanning at every sample.
 
     At each sample the output is the first dt of the minimum-time motion from the present state to
@@ -109,6 +108,14 @@ class CommandFollower:
         fields["period"] = None if period is None else positive("period", period)
         fields["jerk_filter"] = jerk_filter
 
+    @cached_property
+    def _core(self) -> core.Follower:
+        n, lags = self.limits.order, self.jerk_filter
+        bounds = [side for k in range(1, n + 1) for side in self.limits.bounds(k)]
+        period = inf if self.period is None else self.period
+        omega, count = (0.0, 0) if lags is None else (lags.omega, lags.order)
+        return core.Follower(bounds, self.dt, period, omega, count)
+
     @property
     def order(self) -> int:
         """Order of the limits."""
@@ -146,17 +153,17 @@ class CommandFollower:
         ValueError
             For numbers that are not finite, or too many of them.
         """
-        command = finite("command", command)
-        velocity = finite("command_velocity", command_velocity)
-        begin = self._checked_state(state)
-        if self.order == 2 and self.jerk_filter is None:
-            bounds = self._bounds
-            kept = min(max(velocity, bounds.v_min), bounds.v_max)
-            return second_order.sample(
-                (begin[0], begin[1]), command, kept, bounds, self.dt, self.period
+        try:
+            following = self._core.step(state, command, command_velocity)  # type: ignore[arg-type]
+        except (TypeError, ValueError):
+            following = self._core.step(
+                self._checked_state(state),
+                finite("command", command),
+                finite("command_velocity", command_velocity),
             )
-        rows, lags = self._planned(begin, np.array([command]), np.array([velocity]))
-        return (*rows[:, 1].tolist(), *lags[:, 1].tolist())
+        if isinstance(following, int):
+            raise range_error()
+        return following
 
     def run(
         self,
@@ -188,8 +195,7 @@ class CommandFollower:
 
         Notes
         -----
-        Order 2 is one loop of scalars, order 3 plans anew where the commands leave the course
-        that the last plan was made for.
+        The same steps as those of `step`, to the last bit, without the interpreter's lock.
         """
         given = finite_array("commands", commands)
         if given.ndim != 1:
@@ -202,109 +208,58 @@ class CommandFollower:
                 f"command_velocities has shape {speeds.shape}: expected {given.shape}, as commands"
             )
         begin = self._checked_state((0.0,) if initial is None else initial)
-        rows, lags = self._planned(begin, given, np.broadcast_to(speeds, given.shape))
-        if self.jerk_filter is not None:
-            rows = output(rows, lags, self.jerk_filter.omega)
+        states = np.empty((self.order + 1, len(given)))
+        speeds = np.ascontiguousarray(speeds).reshape(-1)
+        run = self._core.run(begin, np.ascontiguousarray(given), speeds, states)
+        if run != core.OK:
+            raise range_error()
         time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
-        return FollowerResponse(time, given, rows[:, 1:])
+        return FollowerResponse(time, given, states)
+
+    def motion(
+        self, state: Sequence[float], command: float, command_velocity: float = 0.0
+    ) -> Trajectory:
+        """Return the motion inside one sample, exact, before the jerk filter.
+
+        Parameters
+        ----------
+        state, command, command_velocity
+            As in `step`.
+
+        Returns
+        -------
+        Trajectory
+            From time 0 to dt.
+        """
+        pieces = self._core.pieces(
+            self._checked_state(state),
+            finite("command", command),
+            finite("command_velocity", command_velocity),
+        )
+        if isinstance(pieces, int):
+            raise range_error()
+        durations = np.array([duration for duration, _ in pieces])
+        states = np.array([row for _, row in pieces]).reshape(len(pieces), self.order + 1)
+        return Trajectory(np.append(0.0, np.cumsum(durations)), states, durations)
 
     def output(self, state: Sequence[float]) -> tuple[float, ...]:
         """Return position and derivatives 1 … order that come out in a state.
 
         Those of the state itself, without a jerk filter.
         """
-        full = np.array(self._checked_state(state))
-        if self.jerk_filter is None:
-            return tuple(full.tolist())
-        own = self.order + 1
-        return tuple(output(full[:own], full[own:], self.jerk_filter.omega).tolist())
+        return self._core.output(self._checked_state(state))
 
     def _checked_state(self, state: Sequence[float]) -> tuple[float, ...]:
         """Return the state as order + 1 numbers and the lags."""
         lags = 0 if self.jerk_filter is None else self.jerk_filter.order
         own = self.order + 1
-        if not isinstance(state, Sequence | np.ndarray) or isinstance(state, str):
-            state = (finite("state", state),)  # a position at rest
-        if not (1 <= len(state) <= own or len(state) == own + lags):
+        given = state_numbers("state", state)
+        if not (1 <= len(given) <= own or len(given) == own + lags):
             raise ValueError(
-                f"state of {len(state)} numbers: expected position and up to {self.order} "
+                f"state of {len(given)} numbers: expected position and up to {self.order} "
                 f"derivatives" + (f", or those and {lags} lags" if lags else "")
             )
-        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(state)]
+        numbers = [finite(f"state[{k}]", value) for k, value in enumerate(given)]
         if len(numbers) <= own:
             numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
         return tuple(numbers)
-
-    def _planned(
-        self, begin: tuple[float, ...], commands: FloatArray, velocities: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        return in_range(lambda: self._states(begin, commands, velocities))
-
-    def _states(
-        self, begin: tuple[float, ...], commands: FloatArray, velocities: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return states (order + 1, N + 1) before the filter, and lags (m, N + 1).
-
-        Both begin with the initial ones.
-        """
-        own = self.order + 1
-        bounds = self._bounds
-        kept = np.clip(velocities, bounds.v_min, bounds.v_max)
-        if self.period is not None:
-            commands = np.fmod(commands, self.period)  # exact, as the difference to x would not be
-        if self.order == 2:
-            rows = second_order.follow(
-                (begin[0], begin[1]), commands, kept, bounds, self.dt, self.period
-            )
-        else:
-            rows = third_order.follow(
-                (begin[0], begin[1], begin[2]), commands, kept, bounds, self.dt, self.period
-            )
-        states = np.empty((own, len(commands) + 1))
-        states[:, 0], states[:, 1:] = begin[:own], rows
-        if self.jerk_filter is None:
-            return states, np.empty((0, states.shape[1]))
-        return states, self._lags(
-            self.jerk_filter, begin[own:], states, commands.tolist(), kept.tolist()
-        )
-
-    @cached_property
-    def _bounds(self) -> Task:
-        """Return a task of which only the bounds count."""
-        (fall, rise), (v_min, v_max) = self.limits.bounds(3), self.limits.bounds(1)
-        nothing = (0.0, 0.0, 0.0, 0.0, 0.0)
-        return Task(*nothing, v_min, v_max, *self.limits.bounds(2), -fall, rise)
-
-    def _lags(
-        self,
-        jerk_filter: JerkFilter,
-        initial: Sequence[float],
-        states: FloatArray,
-        commands: Sequence[float],
-        velocities: Sequence[float],
-    ) -> FloatArray:
-        """Return the lags (m, N + 1) behind the states."""
-        lags = Lags(jerk_filter, self.order, self.dt)
-        rows, bounds = states.T.tolist(), self._bounds
-        history = [np.array(initial)]
-        for before, after, r, u in zip(rows, rows[1:], commands, velocities, strict=False):
-            if one_piece(before, after, self.dt):
-                motion = [*before[:-1], after[-1]]
-                history.append(lags.after_sample(history[-1], motion))
-                continue
-            if self.period is not None:
-                r = before[0] - remainder(before[0] - r, self.period)
-            relative = before[0] - r, before[1] - u, before[2]
-            seen = approach(relative, before[0], u, bounds, self.dt)
-            history.append(lags.after_pieces(history[-1], _absolute(seen, r, u)))
-        return np.array(history).T
-
-
-def _absolute(seen: list[Piece], command: float, velocity: float) -> list[Piece]:
-    """Return pieces seen from a moving command as they are."""
-    pieces, time = [], 0.0
-    for duration, (e, w, *higher) in seen:
-        row = (command + velocity * time + e, velocity + w, *higher)
-        pieces.append((duration, row))
-        time += duration
-    return pieces

@@ -1,0 +1,1 @@
+../../jounce/__init__.py

@@ -1,1 +1,0 @@
-"""Following any command within bounds, one sample at a time."""

@@ -1,0 +1,173 @@
+"""Every public noun can be shown, copied and sent to another process, as read-only as before."""
+
+import copy
+import dataclasses
+import pickle
+from types import MappingProxyType
+
+import control
+import numpy as np
+import pytest
+
+import jounce.analysis
+import jounce.plant
+import jounce.shaping
+from jounce.analysis import (
+    cascaded_lags,
+    check_scenario,
+    conformance,
+    describing_function,
+    first_order_lag,
+    frequency_response,
+    load_scenario,
+    loop_margins,
+    null_by_size,
+    periodic_response,
+    servo_margins,
+    survey,
+    vibration_map,
+)
+from jounce.plant import (
+    PID,
+    FlexibleInertia,
+    Inertia,
+    InertiaFeedforward,
+    ServoLoop,
+    respond,
+)
+from jounce.shaping import (
+    CommandFollower,
+    JerkFilter,
+    Limits,
+    SCurveMove,
+    Trajectory,
+    Transfer,
+    certify,
+    min_time_move,
+    min_time_moves,
+    min_time_transfer,
+    min_time_transfers,
+    s_curve_move,
+)
+
+LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
+LIMITER = Limits(velocity=1.0)
+MOVE = min_time_move(3.0, LIMITS)
+TIMES, STATES = MOVE.sample(0.1)
+FILTER = JerkFilter(2.0, 3)
+FOLLOWER = CommandFollower(LIMITS, dt=0.1, jerk_filter=FILTER)
+LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
+RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnection
+SURVEY = survey(load_scenario("examples/telescope.toml"))
+MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
+
+NOUNS = [
+    LIMITS,
+    MOVE,
+    Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
+    Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]),
+    SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
+    min_time_transfer((0.0, 2.0), 1.0, LIMITS),
+    min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
+    min_time_moves([1.0, 2.0], {"velocity": (-1.0, 2.0), "jerk": [1.0, 2.0]}),
+    min_time_moves([1.0, 2.0], Limits(velocity=1.0, snap=2.0)),
+    s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
+    certify(MOVE, LIMITS),
+    FILTER,
+    FILTER.respond(MOVE, 0.1),
+    FOLLOWER,
+    FOLLOWER.run([1.0, 2.0]),
+    LOOP,
+    RESPONSE,
+    Inertia(1.0),
+    FlexibleInertia(1.0, 2.0, 0.1),
+    InertiaFeedforward(1.0),
+    PID(1.0, 2.0, 3.0),
+    loop_margins(LOOP.loop_transfer()),
+    servo_margins([1.0, 2.0], PID(1.0, 1.0, 2.0)),
+    SURVEY,
+    SURVEY.scenario,
+    SURVEY.moves[0],
+    check_scenario("examples/telescope.toml"),
+    conformance(TIMES, STATES[0], LIMITS, resolution=1e-6),
+    frequency_response(MOVE, [1.0, 2.0]),
+    cascaded_lags(MOVE, [1.0, 2.0]),
+    vibration_map(LIMITS, [1.0], [2.0]),
+    null_by_size(LIMITS, [1.0, 2.0], 3.0),
+    describing_function(LIMITER, 1.0, [1.0, 2.0]),
+    periodic_response(LIMITER, 1.0, 1.0),
+    first_order_lag(describing_function(LIMITER, 2.0, [1.0, 2.0])),
+]
+NAMES = [f"{type(noun).__name__} {i}" for i, noun in enumerate(NOUNS)]
+COPIES = {
+    "copy": copy.copy,
+    "deep copy": copy.deepcopy,
+    "pickle": lambda noun: pickle.loads(pickle.dumps(noun)),
+    "pickle of a pickle": lambda noun: pickle.loads(pickle.dumps(copy.deepcopy(noun))),
+}
+
+
+def test_every_public_noun_is_here():
+    modules = jounce.shaping, jounce.plant, jounce.analysis
+    public = {getattr(module, name) for module in modules for name in module.__all__}
+    nouns = {noun for noun in public if dataclasses.is_dataclass(noun)}
+    assert nouns <= {type(noun) for noun in NOUNS}
+
+
+def parts(value, path="it"):
+    """Yield every part of a noun, by its path."""
+    yield path, value
+    if dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            yield from parts(getattr(value, field.name), f"{path}.{field.name}")
+    elif isinstance(value, tuple | list):
+        for i, part in enumerate(value):
+            yield from parts(part, f"{path}[{i}]")
+    elif isinstance(value, dict | MappingProxyType):
+        for name, part in value.items():
+            yield from parts(part, f"{path}[{name!r}]")
+
+
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
+@pytest.mark.parametrize("way", COPIES.values(), ids=COPIES)
+def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun, way):
+    kept, copied = dict(parts(noun)), dict(parts(way(noun)))
+    assert list(kept) == list(copied)
+    for path, value in kept.items():
+        other = copied[path]
+        assert type(other) is type(value), path
+        if isinstance(value, np.ndarray):
+            np.testing.assert_array_equal(other, value, err_msg=path)
+            assert other.flags.writeable == value.flags.writeable, path
+        elif not dataclasses.is_dataclass(value) and not isinstance(value, tuple | list | dict):
+            same = value == other or value != value or isinstance(value, MappingProxyType)
+            assert same, (path, value, other)
+    assert repr(way(noun)) == repr(noun)
+
+
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
+def test_every_noun_shows_itself(noun):
+    assert repr(noun).startswith(type(noun).__name__)
+    assert str(noun)
+
+
+@pytest.mark.parametrize("way", list(COPIES.values())[1:], ids=list(COPIES)[1:])
+def test_a_copied_trajectory_cannot_be_written_to_and_goes_on(way):
+    copied = way(MOVE)
+    for name in ("breaks", "states", "durations", "end_state"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(copied, name)[0] = 1.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        copied.breaks = MOVE.breaks
+    np.testing.assert_array_equal(copied.evaluate(TIMES), MOVE.evaluate(TIMES))
+    np.testing.assert_array_equal(way(LOOP).respond(way(MOVE), 0.1).outputs, RESPONSE.outputs)
+    lag = control.tf([1.0], [1.0, 1.0])
+    np.testing.assert_array_equal(
+        respond(lag, copied, 0.1).outputs, respond(lag, MOVE, 0.1).outputs
+    )
+
+
+def test_a_transfer_made_from_arrays_says_what_it_lacks():
+    assert Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]).limits is None
+    with pytest.raises(ValueError, match="was made from arrays: plan it by s_curve_move"):
+        SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]).append(1.0)
