@@ -12,7 +12,8 @@ BROAD := tests/test_packaging.py tests/shaping/test_public_names.py \
 	tests/plant/fmu/cosimulation tests/analysis/gate tests/analysis/test_command_line.py \
 	tests/analysis/test_raw_output.py tests/analysis/test_units.py
 
-.PHONY: survey test test-slow test-lowest test-newest check format benchmark readme clean
+.PHONY: survey test test-slow test-sanitize test-lowest test-newest check check-core wheel format
+.PHONY: benchmark readme clean
 
 survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
@@ -23,6 +24,18 @@ test: $(VENV)/.installed-dev
 # The same tests with many more random problems, and without a fixed seed.
 test-slow: $(VENV)/.installed-dev
 	JOUNCE_TIER=slow $(PYTEST)
+
+# Random problems in C under sanitizers; what fails is printed so that Python can try it.
+CC := $(or $(shell command -v gcc || command -v clang),$(BIN)/python -m ziglang cc)
+CORE := $(filter-out core/binding.c,$(wildcard core/*.c))
+STRICT := -std=c99 -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Werror
+test-sanitize: out/driver
+	out/driver
+
+out/driver: tests/core/driver.c $(CORE) $(wildcard core/*.h)
+	mkdir -p out
+	$(CC) $(STRICT) -Wpedantic -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
+		-Icore -o $@ tests/core/driver.c $(CORE)
 
 # Exactly the lowest releases that pyproject.toml admits, on the lowest Python; old releases warn
 # of what newer ones of others have changed.
@@ -40,7 +53,7 @@ test-newest:
 	$(VENV)-newest/bin/python $(INSTALL) ".[dev]" --no-compile
 	$(VENV)-newest/bin/python -m pytest --numprocesses=auto $(BROAD)
 
-check: $(VENV)/.installed-dev .typing/jounce
+check: $(VENV)/.installed-dev .typing/jounce check-core
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -51,6 +64,21 @@ check: $(VENV)/.installed-dev .typing/jounce
 	mkdir -p $@
 	ln -s ../../jounce/__init__.py ../../jounce/py.typed $@
 	ln -s $(filter-out ../../jounce,$(patsubst %/__init__.py,../../%,$(wildcard */__init__.py))) $@
+
+# ISO C has no word for the slots of Python's types, so that the binding is not pedantic.
+check-core: $(VENV)/.installed-dev
+	mkdir -p out
+	set -e; for file in $(CORE); do $(CC) $(STRICT) -Wpedantic -O2 -c $$file -o out/core.o; done
+	$(CC) $(STRICT) -O2 -DPy_LIMITED_API=0x030B0000 -c core/binding.c -o out/core.o \
+		-isystem $$($(BIN)/python -c "import sysconfig; print(sysconfig.get_path('include'))")
+	$(BIN)/cppcheck --quiet --std=c99 --enable=warning,performance,portability \
+		--error-exitcode=1 --inline-suppr $(CORE)
+
+# One wheel for all Pythons from 3.11 on, tried where there is no compiler.
+wheel: $(VENV)/.installed
+	rm -rf dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	$(BIN)/python building/try_wheel.py dist/jounce-*.whl
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix .
@@ -66,7 +94,7 @@ benchmark: $(VENV)/.installed-dev
 	$(BIN)/python docs/readme.py benchmarks
 
 # The stamp files keep a second run from installing again.
-$(VENV)/.installed: pyproject.toml setup.py
+$(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python $(INSTALL) .
 	$(BIN)/python -m compileall -q jounce core shaping plant analysis # pip does this only for what it copies

@@ -800,8 +800,8 @@ static void solve_all(const Problems *p, double *durations, double *inside, sign
         int ok = status == JOUNCE_OK;
         statuses[i] = (signed char)status;
         counts[i] = (signed char)(ok ? motion.count : 0);
-        durations[i] = ok ? motion.duration : Py_HUGE_VAL - Py_HUGE_VAL;
-        inside[i] = ok ? motion.inside_after : Py_HUGE_VAL - Py_HUGE_VAL;
+        durations[i] = ok ? motion.duration : (double)NAN;
+        inside[i] = ok ? motion.inside_after : (double)NAN;
     }
 }
 
@@ -901,6 +901,109 @@ static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssi
     lay_out_all(&p, (int)most, views[3].buf, views[4].buf, views[5].buf);
     Py_END_ALLOW_THREADS
     release(views, 6);
+    Py_RETURN_NONE;
+}
+
+/* --- values of many motions --------------------------------------------------------------------- */
+
+/* Motions of up to `most` pieces; those that take no time are passed over. */
+typedef struct {
+    int order, first, last;
+    Py_ssize_t count, most, points, times_step; /* the times of all where the step is zero */
+    const double *lengths, *states, *ends, *times;
+    double *out;
+} Lanes;
+
+/* One after the other, in memory for the breaks and the states of one, zero before. */
+static jounce_status evaluate_all(const Lanes *l, double *memory) {
+    Py_ssize_t width = l->order + 1, i, k;
+    size_t row = (size_t)width * sizeof(double);
+    double *breaks = memory, *states = memory + l->most + 1;
+    size_t known = (size_t)(l->order < 2 ? 1 : 2) * sizeof(double);
+    jounce_status status = JOUNCE_OK;
+    jounce_pieces pieces;
+    pieces.order = l->order;
+    pieces.count = (size_t)l->most;
+    pieces.breaks = breaks;
+    pieces.states = states;
+    for (i = 0; i < l->count && status == JOUNCE_OK; i++) {
+        const double *own = l->states + i * l->most * width, *end = l->ends + i * width;
+        pieces.durations = l->lengths + i * l->most;
+        for (k = 0; k < l->most; k++) {
+            breaks[k + 1] = breaks[k] + pieces.durations[k];
+        }
+        memcpy(states, l->most > 0 ? own : end, known);
+        memcpy(states + width, own, (size_t)l->most * row);
+        memcpy(states + (l->most + 1) * width, end, known);
+        status = jounce_evaluate(&pieces, l->times + i * l->times_step, (size_t)l->points, l->first,
+                                 l->last, l->out + i * l->points, (size_t)(l->count * l->points));
+    }
+    return status;
+}
+
+static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[5];
+    Wanted wanted[5];
+    Lanes l;
+    Py_ssize_t rows, size;
+    double *memory;
+    jounce_status status;
+    (void)module;
+    if (!expect(given, 8, "evaluate_lanes(lengths, states, end_states, times, points, first, last, "
+                          "out)") ||
+        !derivative_of(args[5], &l.first) || !derivative_of(args[6], &l.last)) {
+        return NULL;
+    }
+    l.count = PyObject_Size(args[2]);
+    l.points = PyLong_AsSsize_t(args[4]);
+    if (l.count < 0 || (l.points < 0 && PyErr_Occurred())) {
+        return NULL;
+    }
+    if (!look(args[2], &views[0], READ)) {
+        return NULL;
+    }
+    l.order = l.count > 0 ? (int)(items(&views[0]) / l.count) - 1 : 1;
+    PyBuffer_Release(&views[0]);
+    if (!look(args[0], &views[0], READ)) {
+        return NULL;
+    }
+    l.most = l.count > 0 ? items(&views[0]) / l.count : 0;
+    PyBuffer_Release(&views[0]);
+    rows = l.last - l.first + 1;
+    if (l.order < 1 || l.order > JOUNCE_MOST_ORDER || rows < 1 || l.points < 0) {
+        PyErr_SetString(PyExc_ValueError, "evaluate_lanes: expected states (N, m, n + 1) of order "
+                                          "n = 1 to 40, and first <= last");
+        return NULL;
+    }
+    wanted[0] = doubles(args[0], l.count * l.most);
+    wanted[1] = doubles(args[1], l.count * l.most * (l.order + 1));
+    wanted[2] = doubles(args[2], l.count * (l.order + 1));
+    wanted[3] = doubles_for_all(args[3], l.points, l.count);
+    wanted[4] = room(args[7], rows * l.count * l.points);
+    if (!look_into(wanted, 5, views)) {
+        return NULL;
+    }
+    l.lengths = views[0].buf;
+    l.states = views[1].buf;
+    l.ends = views[2].buf;
+    l.times = views[3].buf;
+    l.times_step = step_of(&views[3], l.points, l.count);
+    l.out = views[4].buf;
+    size = l.most + 1 + (l.most + 2) * (l.order + 1);
+    memory = PyMem_Calloc((size_t)size, sizeof(double));
+    if (memory == NULL) {
+        release(views, 5);
+        return PyErr_NoMemory();
+    }
+    Py_BEGIN_ALLOW_THREADS
+    status = evaluate_all(&l, memory);
+    Py_END_ALLOW_THREADS
+    PyMem_Free(memory);
+    release(views, 5);
+    if (status != JOUNCE_OK) {
+        PyErr_SetString(PyExc_ValueError, "times must be finite: got NaN or infinity");
+        return NULL;
+    }
     Py_RETURN_NONE;
 }
 
@@ -1220,6 +1323,11 @@ static PyMethodDef functions[] = {
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
      "numbers of pieces (N,) int8 are put in place."},
+    {"evaluate_lanes", FAST(evaluate_lanes), METH_FASTCALL,
+     "evaluate_lanes(lengths, states, end_states, times, points, first, last, out)\n--\n\nPut "
+     "derivatives first to last of N motions in place, (last - first + 1, N, points), at times "
+     "(points,) of all or (N, points). Lengths (N, m) are those of the pieces, states "
+     "(N, m, n + 1) those at their starts, end_states (N, n + 1)."},
     {"transfer_pieces", FAST(transfer_pieces), METH_FASTCALL,
      "transfer_pieces(order, starts, ends, bounds, most, lengths, states, end_states)\n--\n\nPut "
      "the pieces of N transfers in place, (N, most), (N, most, order + 1) and (N, order + 1)."},

@@ -98,3 +98,14 @@ def transfer_pieces(
     end_states: FloatArray,
     /,
 ) -> None: ...
+def evaluate_lanes(
+    lengths: FloatArray,
+    states: FloatArray,
+    end_states: FloatArray,
+    times: FloatArray,
+    points: int,
+    first: int,
+    last: int,
+    out: FloatArray,
+    /,
+) -> None: ...

@@ -12,12 +12,9 @@ enum { TILE = 64, SHORT = 8 };
 #define LARGEST 1.7976931348623157e308
 
 /* Compiled twice, for the processor's wider registers too: the bits are the same. */
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__has_attribute)
-#if __has_attribute(target_clones)
+#if defined(__GNUC__) && defined(__x86_64__) && defined(__GLIBC__)
 #define WIDE __attribute__((target_clones("avx2", "default")))
-#endif
-#endif
-#ifndef WIDE
+#else
 #define WIDE
 #endif
 
@@ -180,7 +177,7 @@ jounce_status jounce_evaluate(const jounce_pieces *pieces, const double *times, 
     Span at = span(pieces, 0);
     while (done < count) {
         const double *state;
-        size_t n, i;
+        size_t n;
         int k;
         if (!is_finite(times[done])) {
             return JOUNCE_RANGE;
@@ -195,6 +192,7 @@ jounce_status jounce_evaluate(const jounce_pieces *pieces, const double *times, 
             if (k <= pieces->order) {
                 on_piece(state, pieces->order, k, tau, n, row);
             } else {
+                size_t i;
                 for (i = 0; i < n; i++) {
                     row[i] = 0.0;
                 }

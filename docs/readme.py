@@ -16,17 +16,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
-FOLDERS = (
-    "jounce",
-    "shaping",
-    "plant",
-    "analysis",
-    "examples",
-    "notebooks",
-    "benchmarks",
-    "docs",
-    "tests",
-)
+FOLDERS = [
+    *("jounce", "core", "shaping", "plant", "analysis", "building"),
+    *("examples", "notebooks", "benchmarks", "docs", "tests"),
+]
 
 
 def replace_part(name: str, text: str) -> None:
@@ -60,7 +53,7 @@ def _packages(folder: Path, indent: str) -> list[tuple[str, str]]:
 
 
 def _files(folder: Path, indent: str) -> list[tuple[str, str]]:
-    files = sorted(p for p in folder.glob("*") if p.suffix in (".py", ".toml"))
+    files = sorted(p for p in folder.glob("*") if p.suffix in (".py", ".toml", ".c", ".h"))
     return [(f"{indent}{p.name}", about) for p in files if (about := _about_file(p))]
 
 
@@ -69,6 +62,7 @@ def _about_folder(folder: str) -> str:
     if package.exists():
         return _first_line(package)
     return {
+        "building": "how the core in C is compiled when jounce is installed",
         "examples": "scenario files",
         "notebooks": "percent scripts, each paired with an output-free .ipynb",
         "benchmarks": "side by side with peers in one run",
@@ -83,6 +77,8 @@ def _about_file(path: Path) -> str:
     if path.suffix == ".toml":
         text = path.read_text(encoding="utf-8")
         return str(tomllib.loads(text).get("title") or text.partition("\n")[0].lstrip("# "))
+    if path.suffix in (".c", ".h"):
+        return path.read_text(encoding="utf-8").partition("\n")[0].strip("/* ")
     if path.parent.name == "notebooks":
         heading = re.search(r"^# # (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
         return heading.group(1) if heading else ""

@@ -1,6 +1,5 @@
 """The lags behind a follower: the exponential of the whole system's matrix, the filter itself."""
 
-
 import mpmath
 import numpy as np
 import pytest

@@ -37,7 +37,9 @@ def test_it_is_the_transfer_to_rest_as_seen_from_the_command(problem, share):
     transfer = min_time_transfer(relative, 0.0, Limits.from_bounds([seen, *problem.bounds[1:]]))
     dt = 1.25 * transfer.duration + 1.0
     motion = motion_of(problem.limits, (x, v, *a), problem.end[0], u, dt)
-    text = f"CommandFollower({problem.limits!r}, dt={dt}).motion({(x, v, *a)}, {problem.end[0]}, {u})"
+    text = (
+        f"CommandFollower({problem.limits!r}, dt={dt}).motion({(x, v, *a)}, {problem.end[0]}, {u})"
+    )
     check_joints(motion, (x, v, *a), text)
     times = np.linspace(0.0, dt, 50)
     expected = problem.end[0] + u * times + transfer(times)
