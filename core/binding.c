@@ -203,30 +203,31 @@ static int plain_state(PyObject *object, int order, jounce_state *state) {
     return 1;
 }
 
-/* Lower and upper bounds of 2 or 3 derivatives, velocity first. */
+/* Lower and upper bounds of 1 to 3 derivatives, velocity first. */
 static jounce_limits limits_of(const double *bounds, int order) {
     jounce_limits limits;
     limits.v_low = bounds[0];
     limits.v_high = bounds[1];
-    limits.a_low = bounds[2];
-    limits.a_high = bounds[3];
+    limits.a_low = order >= 2 ? bounds[2] : -Py_HUGE_VAL;
+    limits.a_high = order >= 2 ? bounds[3] : Py_HUGE_VAL;
     limits.j_low = order == 3 ? bounds[4] : -Py_HUGE_VAL;
     limits.j_high = order == 3 ? bounds[5] : Py_HUGE_VAL;
     return limits;
 }
 
-/* Returns their order; 0 with an error set. */
-static int plain_limits(PyObject *object, jounce_limits *limits) {
+/* Returns their order, at least `least`; 0 with an error set. */
+static int plain_limits(PyObject *object, int least, jounce_limits *limits) {
     double bounds[6];
     Py_ssize_t count = plain_numbers(object, bounds, 6), i;
-    int order = (int)(count / 2), sound = count == 4 || count == 6;
+    int order = (int)(count / 2), sound = count % 2 == 0 && order >= least;
     for (i = 0; sound && i < count; i += 2) {
         sound = bounds[i] <= 0.0 && 0.0 <= bounds[i + 1] && bounds[i] < bounds[i + 1];
     }
     if (count < 0) {
         return 0;
     }
-    if (!sound || !is_number(bounds[count - 2]) || !is_number(bounds[count - 1])) {
+    if (!sound ||
+        (order > 1 && (!is_number(bounds[count - 2]) || !is_number(bounds[count - 1])))) {
         PyErr_SetString(PyExc_ValueError,
                         "bounds: expected lower <= 0 <= upper of velocity, acceleration and, for "
                         "order 3, jerk, the last ones finite");
@@ -501,7 +502,9 @@ typedef struct {
 static void row_of(const jounce_piece *piece, int order, double *row) {
     row[0] = piece->x;
     row[1] = piece->v;
-    row[2] = piece->a;
+    if (order >= 2) {
+        row[2] = piece->a;
+    }
     if (order == 3) {
         row[3] = piece->j;
     }
@@ -510,7 +513,9 @@ static void row_of(const jounce_piece *piece, int order, double *row) {
 static void end_row(const jounce_motion *motion, int order, double *row) {
     row[0] = motion->end.x;
     row[1] = motion->end.v;
-    row[2] = order == 3 ? motion->end.a : 0.0;
+    if (order >= 2) {
+        row[2] = order == 3 ? motion->end.a : 0.0;
+    }
     if (order == 3) {
         row[3] = 0.0;
     }
@@ -576,7 +581,7 @@ static PyObject *motion_pieces(PyObject *self, PyObject *unused) {
     if (pieces != NULL) {
         lay_out(motion, memory);
         fill(&pieces->pieces, pieces->memory, memory, memory + 2 * m + 1, memory + m + 1,
-             memory + 2 * m + 1 + m * width, 1);
+             memory + 2 * m + 1 + m * width, motion->order > 1);
     }
     return (PyObject *)pieces;
 }
@@ -652,7 +657,7 @@ typedef struct {
 
 /* Read start, end and bounds; 0 with an error set. */
 static int problem_of(PyObject *const *args, Problem *p) {
-    p->order = plain_limits(args[2], &p->limits);
+    p->order = plain_limits(args[2], 2, &p->limits);
     return p->order != 0 && plain_state(args[0], p->order, &p->start) &&
            plain_state(args[1], p->order, &p->end);
 }
@@ -1011,16 +1016,29 @@ static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssiz
 
 static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count) {
     jounce_limits limits;
-    double distance;
+    jounce_status status;
+    double distance, start;
     Motion *self;
-    int order;
-    if (!expect(count, 2, "move(distance, bounds)") || !one_number(args[0], &distance)) {
+    int order, i;
+    if (!expect(count, 3, "move(distance, bounds, start)") || !one_number(args[0], &distance) ||
+        !one_number(args[2], &start)) {
         return NULL;
     }
-    order = plain_limits(args[1], &limits);
+    if (!is_number(distance) || !is_number(start) || !is_number(start + distance)) {
+        PyErr_SetString(PyExc_ValueError, "distance and start must be finite");
+        return NULL;
+    }
+    order = plain_limits(args[1], 1, &limits);
     self = order != 0 ? new_motion(module, order) : NULL;
-    return self == NULL ? NULL
-                        : motion_or_status(self, jounce_move(distance, &limits, &self->motion));
+    if (self == NULL) {
+        return NULL;
+    }
+    status = jounce_move(distance, &limits, &self->motion);
+    for (i = 0; i < self->motion.count; i++) {
+        self->motion.pieces[i].x += start;
+    }
+    self->motion.end.x = start + distance;
+    return motion_or_status(self, status);
 }
 
 /* --- followers ---------------------------------------------------------------------------------- */
@@ -1048,7 +1066,7 @@ static PyObject *follower_new(PyTypeObject *type, PyObject *args, PyObject *name
     if (!PyArg_ParseTuple(args, "Odddi:Follower", &bounds, &dt, &period, &omega, &lags)) {
         return NULL;
     }
-    order = plain_limits(bounds, &limits);
+    order = plain_limits(bounds, 2, &limits);
     if (order == 0) {
         return NULL;
     }
@@ -1305,7 +1323,7 @@ static PyMethodDef functions[] = {
      "advance_lags(lags, motion, tau, omega)\n--\n\nReturn lags a time tau after the motion had "
      "the derivatives 0, 1, … given."},
     {"move", FAST(move), METH_FASTCALL,
-     "move(distance, bounds)\n--\n\nReturn the fastest Motion from rest at 0 to rest, or the "
+     "move(distance, bounds, start)\n--\n\nReturn the fastest Motion from rest to rest, or the "
      "status."},
     {"transfer", FAST(transfer), METH_FASTCALL,
      "transfer(start, end, bounds)\n--\n\nReturn the fastest Motion between two states, or the "

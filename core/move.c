@@ -1,129 +1,195 @@
-/* Moves: from rest to rest, in closed form where the bounds are the same in both directions.
+/* Moves: from rest to rest. The velocity rises to its peak and falls again, with zero acceleration
+ * at the peak: a ramp up, perhaps a cruise, a ramp down; each ramp a jerk up, a hold, a jerk down.
  *
- * With bounds V, A, W on velocity, acceleration and jerk, t_w = A/W (Thompson, Sections II, III):
+ * With bounds V, A, W on velocity, acceleration and jerk, the same in both directions, and
+ * t_w = A/W (Thompson, Sections II, III), the peak velocity without a bound is
  *
- *     V reached:      T = R/V + t_v,    t_v = t_w + V/A if A is reached on the way, else
- *                                       t_v = 2 sqrt(V/W);
- *     only A reached: T = t_w + sqrt(t_w^2 + 4 R/A);
- *     neither:        T = (32 R/W)^(1/3).
+ *     A (sqrt(t_w^2 + 4 R/A) - t_w)/2 where A is reached, else W (R/(2 W))^(2/3).
  *
- * Without a bound on the jerk t_w = 0, and without one on the acceleration the velocity jumps. The
- * second half mirrors the first: x(t) = R - x(T - t). Bounds that differ between directions are
- * those of a transfer.
+ * Where the bounds differ it is the root of an increasing distance, halved down to the last bit.
  */
 #include "task.h"
 
-/* How a move of positive distance goes: ramps of the jerk, a hold, a cruise. */
+enum { MOST_DOUBLINGS = 2200 };
+
+/* The fastest ramp from rest to a velocity, acceleration zero at both ends. */
 typedef struct {
-    double ramp, hold, cruise; /* of half of the change of velocity: ramp, hold, ramp */
-    double peak_a, peak_v;
+    double velocity, acceleration; /* the peaks */
+    double rise, hold, fall;       /* times; without a bound on the jerk the hold alone */
+} Ramp;
+
+/* Bounds as they are met on the way: `up` and `down` of the acceleration, positive. */
+typedef struct {
+    double velocity, up, down, rising, falling;
+} Bounds;
+
+static Ramp ramp_to(double velocity, double acceleration, double rising, double falling) {
+    Ramp r = {0.0, 0.0, 0.0, 0.0, 0.0};
+    r.velocity = velocity;
+    if (!is_finite(rising)) {
+        r.acceleration = acceleration;
+        r.hold = velocity / acceleration;
+        return r;
+    }
+    r.acceleration = square_root(2.0 * velocity / (1.0 / rising + 1.0 / falling));
+    if (r.acceleration <= acceleration) {
+        r.rise = r.acceleration / rising;
+        r.fall = r.acceleration / falling;
+        return r;
+    }
+    r.acceleration = acceleration;
+    r.rise = acceleration / rising;
+    r.fall = acceleration / falling;
+    r.hold = larger(velocity / acceleration - 0.5 * (r.rise + r.fall), 0.0);
+    return r;
+}
+
+static double rise_distance(const Ramp *r) { return r->acceleration * r->rise * r->rise / 6.0; }
+
+static double rise_velocity(const Ramp *r) { return 0.5 * r->acceleration * r->rise; }
+
+static double held_velocity(const Ramp *r) {
+    return r->velocity - 0.5 * r->acceleration * r->fall;
+}
+
+static double held_distance(const Ramp *r) {
+    return rise_distance(r) + 0.5 * (rise_velocity(r) + held_velocity(r)) * r->hold;
+}
+
+static double ramp_distance(const Ramp *r) {
+    return held_distance(r) + (held_velocity(r) + r->acceleration * r->fall / 3.0) * r->fall;
+}
+
+static double ramp_time(const Ramp *r) { return r->rise + r->hold + r->fall; }
+
+static int is_even(const Bounds *b) { return b->up == b->down && b->rising == b->falling; }
+
+static Ramp way_up(double velocity, const Bounds *b) {
+    return ramp_to(velocity, b->up, b->rising, b->falling);
+}
+
+/* Run backwards in time, the way down from a velocity. */
+static Ramp way_down(double velocity, const Bounds *b) {
+    return ramp_to(velocity, b->down, b->rising, b->falling);
+}
+
+static int fits(double velocity, double distance, const Bounds *b) {
+    Ramp up = way_up(velocity, b), down = way_down(velocity, b);
+    return ramp_distance(&up) + ramp_distance(&down) <= distance;
+}
+
+/* The velocity that the move would reach without a bound on velocity. */
+static double free_velocity(double distance, const Bounds *b) {
+    double low, high, gentlest = smaller(b->rising, b->falling);
+    int i;
+    if (!is_finite(gentlest)) {
+        return square_root(2.0 * distance / (1.0 / b->up + 1.0 / b->down));
+    }
+    low = cube_root(0.5 * distance / gentlest);
+    if (is_even(b)) {
+        double ramp = b->up / gentlest;
+        return gentlest * low <= b->up
+                   ? gentlest * low * low
+                   : b->up * 0.5 * (square_root(ramp * ramp + 4.0 * distance / b->up) - ramp);
+    }
+    low = high = gentlest * low * low;
+    for (i = 0; i < MOST_DOUBLINGS && !fits(low, distance, b); i++) {
+        low *= 0.5;
+    }
+    for (i = 0; i < MOST_DOUBLINGS && fits(high, distance, b); i++) {
+        high *= 2.0;
+    }
+    for (i = 0; i < MOST_DOUBLINGS; i++) {
+        double middle = 0.5 * (low + high);
+        if (!(low < middle && middle < high)) {
+            break;
+        }
+        if (fits(middle, distance, b)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+typedef struct {
+    Ramp up, down;
+    double cruise;
 } Shape;
 
-static double reached_or(double bound, double value) { return smaller(bound, value); }
-
-/* Up to V: ramps of the acceleration, a hold between. */
-static Shape to_velocity(double v, double a, double w) {
-    double t_w = is_finite(w) ? a / w : 0.0;
-    Shape s = {0};
-    s.peak_v = v;
-    if (!is_finite(a) && !is_finite(w)) {
-        return s;
-    }
-    if (is_finite(a) && a * t_w <= v) {
-        s.ramp = t_w;
-        s.hold = v / a - t_w;
-        s.peak_a = a;
-    } else {
-        s.ramp = square_root(v / w);
-        s.peak_a = reached_or(a, square_root(v * w));
-    }
-    return s;
-}
-
-static double ramps_of(const Shape *s) { return 2.0 * s->ramp + s->hold; }
-
-static Shape shape(double distance, double v, double a, double w) {
-    double t_w;
+static Shape shape_of(double distance, const Bounds *b) {
+    double velocity = b->velocity;
     Shape s;
-    if (is_finite(v)) {
-        s = to_velocity(v, a, w);
-        if (distance >= v * ramps_of(&s)) {
-            s.cruise = distance / v - ramps_of(&s);
+    s.cruise = 0.0;
+    if (is_finite(velocity)) {
+        s.up = way_up(velocity, b);
+        s.down = b->down == b->up ? s.up : way_down(velocity, b);
+        s.cruise = (distance - ramp_distance(&s.up) - ramp_distance(&s.down)) / velocity;
+        if (s.cruise >= 0.0) {
             return s;
         }
+        s.cruise = 0.0;
     }
-    s.cruise = s.hold = 0.0;
-    t_w = is_finite(w) ? a / w : 0.0;
-    if (is_finite(a) && distance >= 2.0 * a * t_w * t_w) {
-        double root = square_root(t_w * t_w + 4.0 * distance / a);
-        s.ramp = t_w;
-        s.hold = larger(2.0 * (distance / a - t_w * t_w * 2.0) / (root + 3.0 * t_w), 0.0);
-        s.peak_a = a;
-        s.peak_v = reached_or(v, a * (s.hold + t_w));
-    } else {
-        s.ramp = cube_root(0.5 * distance / w);
-        s.peak_a = reached_or(a, w * s.ramp);
-        s.peak_v = reached_or(v, w * s.ramp * s.ramp);
-    }
+    velocity = smaller(velocity, free_velocity(distance, b));
+    s.up = way_up(velocity, b);
+    s.down = b->down == b->up ? s.up : way_down(velocity, b);
     return s;
 }
 
-static int moderate(double x) {
-    return x == INFINITE || (x > 1e-60 && x < 1e60);
+/* The jerks are those that lead to the peaks, which rounding may have put beside the bounds. */
+static void add_pieces(const Shape *s, const Bounds *b, double distance, jounce_motion *m) {
+    const Ramp *up = &s->up, *down = &s->down;
+    double v = up->velocity, rising, falling;
+    if (!is_finite(b->rising)) {
+        jounce_add(m, up->hold, 0.0, 0.0, up->acceleration, 0.0);
+        jounce_add(m, s->cruise, ramp_distance(up), v, 0.0, 0.0);
+        jounce_add(m, down->hold, distance - ramp_distance(down), v, -down->acceleration, 0.0);
+        return;
+    }
+    rising = up->acceleration / up->rise;
+    falling = -up->acceleration / up->fall;
+    jounce_add(m, up->rise, 0.0, 0.0, 0.0, rising);
+    jounce_add(m, up->hold, rise_distance(up), rise_velocity(up), up->acceleration, 0.0);
+    if (s->cruise == 0.0 && b->up == b->down) {
+        jounce_add(m, 2.0 * up->fall, held_distance(up), held_velocity(up), up->acceleration,
+                   falling);
+    } else { /* unequal ramps meet at zero acceleration, or the larger's rounding spoils the other */
+        jounce_add(m, up->fall, held_distance(up), held_velocity(up), up->acceleration, falling);
+        jounce_add(m, s->cruise, ramp_distance(up), v, 0.0, 0.0);
+        jounce_add(m, down->fall, distance - ramp_distance(down), v, 0.0, falling);
+    }
+    jounce_add(m, down->hold, distance - held_distance(down), held_velocity(down),
+               -down->acceleration, 0.0);
+    jounce_add(m, down->rise, distance - rise_distance(down), rise_velocity(down),
+               -down->acceleration, rising);
 }
 
-static int is_closed(double distance, const jounce_limits *l) {
-    return l->v_low == -l->v_high && l->a_low == -l->a_high && l->j_low == -l->j_high &&
-           moderate(magnitude(distance)) && moderate(l->v_high) && moderate(l->a_high) &&
-           moderate(l->j_high);
-}
-
-/* Ramp up, hold, and, where the move cruises, ramp to the velocity. Without a cruise the two inner
- * ramps are one piece, which add_mirrored leaves out. */
-static void add_half(const Shape *s, double jerk, jounce_motion *m) {
-    double t = s->ramp, x = 0.0, v = 0.0, a = s->peak_a;
-    if (t > 0.0) {
-        jounce_add(m, t, x, v, 0.0, jerk);
-        x = jerk * t * t * t / 6.0;
-        v = 0.5 * a * t;
-    }
-    jounce_add(m, s->hold, x, v, a, 0.0);
-    x += (v + 0.5 * a * s->hold) * s->hold;
-    v += a * s->hold;
-    if (t > 0.0) {
-        jounce_add(m, s->cruise > 0.0 ? t : 2.0 * t, x, v, a, -jerk);
-    }
-    jounce_add(m, s->cruise, 0.5 * s->peak_v * ramps_of(s), s->peak_v, 0.0, 0.0);
-}
-
-static void add_mirrored(const Shape *s, double distance, double jerk, jounce_motion *m) {
-    double t = s->ramp, a = s->peak_a, x = s->peak_v * (0.5 * ramps_of(s)), v = s->peak_v;
-    if (t > 0.0) {
-        if (s->cruise > 0.0) {
-            jounce_add(m, t, distance - x, v, 0.0, -jerk);
-        }
-        x = jerk * t * t * t / 6.0 + 0.5 * a * t * s->hold + 0.5 * a * s->hold * s->hold;
-        v = 0.5 * a * t + a * s->hold;
-    }
-    jounce_add(m, s->hold, distance - x, v, -a, 0.0);
-    if (t > 0.0) {
-        jounce_add(m, t, distance - jerk * t * t * t / 6.0, 0.5 * a * t, -a, jerk);
-    }
+/* The bounds of a move in positive direction, or of one in negative direction seen from behind. */
+static Bounds forward_bounds(const jounce_task *t) {
+    int ahead = t->distance >= 0.0;
+    Bounds b;
+    b.velocity = ahead ? t->v_max : -t->v_min;
+    b.up = ahead ? t->a_max : -t->a_min;
+    b.down = ahead ? -t->a_min : t->a_max;
+    b.rising = ahead ? t->rise : t->fall;
+    b.falling = ahead ? t->fall : t->rise;
+    return b;
 }
 
 /* Without bounds of acceleration and jerk: all of the distance at one velocity. */
 static jounce_status glide(double distance, const jounce_limits *l, jounce_motion *m) {
     double v = distance > 0.0 ? l->v_high : l->v_low;
     jounce_add(m, distance / v, 0.0, v, 0.0, 0.0);
-    return is_finite(m->duration) ? JOUNCE_OK : JOUNCE_RANGE;
+    return m->duration > 0.0 && is_finite(m->duration) ? JOUNCE_OK : JOUNCE_RANGE;
 }
 
 jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion) {
     jounce_state start = {0.0, 0.0, 0.0}, end = {distance, 0.0, 0.0};
-    double size = magnitude(distance), jerk = limits->j_high;
+    jounce_problem p;
+    Bounds b;
     Shape s;
-    motion->count = 0;
-    motion->duration = motion->inside_after = 0.0;
+    jounce_clear(motion);
     motion->end = end;
     if (distance == 0.0) {
         return JOUNCE_OK;
@@ -131,30 +197,31 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
     if (!is_finite(limits->a_high) && !is_finite(limits->j_high)) {
         return glide(distance, limits, motion);
     }
-    if (!is_closed(distance, limits)) {
-        return jounce_transfer(&start, &end, limits, motion);
-    }
-    s = shape(size, limits->v_high, limits->a_high, limits->j_high);
-    if (s.ramp > 0.0) {
-        jerk = smaller(jerk, s.peak_a / s.ramp);
-    } else {
-        jerk = 0.0;
-    }
-    add_half(&s, jerk, motion);
-    add_mirrored(&s, size, jerk, motion);
+    jounce_pose(&start, &end, limits, magnitude(distance), &p);
+    b = forward_bounds(&p.whole);
+    s = shape_of(magnitude(p.whole.distance), &b);
+    add_pieces(&s, &b, magnitude(p.whole.distance), motion);
     if (distance < 0.0) {
         jounce_turn(motion, 0);
     }
-    return JOUNCE_OK;
+    return jounce_finish(&p, &end, limits, motion);
 }
 
+static int moderate(double x) { return x == INFINITE || (x > 1e-60 && x < 1e60); }
+
 /* Its duration alone; NaN where there is none. */
-double jounce_move_duration(double distance, const jounce_limits *limits) {
+double jounce_move_duration(double distance, const jounce_limits *l) {
+    jounce_task t = {distance,  0.0,       0.0,      0.0,        0.0,       l->v_low, l->v_high,
+                     l->a_low, l->a_high, -l->j_low, l->j_high, 0.0};
+    Bounds b = forward_bounds(&t);
     jounce_motion motion;
-    if (is_closed(distance, limits) && (is_finite(limits->a_high) || is_finite(limits->j_high))) {
-        Shape s = shape(magnitude(distance), limits->v_high, limits->a_high, limits->j_high);
-        return 2.0 * ramps_of(&s) + s.cruise;
+    Shape s;
+    if ((is_finite(b.up) || is_finite(b.rising)) && moderate(magnitude(distance)) &&
+        moderate(b.velocity) && moderate(b.up) && moderate(b.down) && moderate(b.rising) &&
+        moderate(b.falling)) {
+        s = shape_of(magnitude(distance), &b);
+        return ramp_time(&s.up) + s.cruise + ramp_time(&s.down);
     }
-    return jounce_move(distance, limits, &motion) == JOUNCE_OK ? motion.duration
-                                                               : INFINITE - INFINITE;
+    return jounce_move(distance, l, &motion) == JOUNCE_OK ? motion.duration
+                                                          : INFINITE - INFINITE;
 }

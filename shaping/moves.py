@@ -7,11 +7,11 @@ from math import inf, isfinite
 from sys import float_info
 from typing import Literal
 
-from .checks import finite, positive, whole
+from .. import core
+from .checks import finite, positive, range_error, whole
 from .closed_form import chain_plan, fastest_plan
 from .derivatives import derivative_name
 from .limits import Limits
-from .low_order import low_order_move
 from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
@@ -103,6 +103,12 @@ def min_time_move(
     """
     if method not in ("optimal", "closed-form"):
         raise ValueError(f"method = {method!r}: expected 'optimal' or 'closed-form'")
+    try:
+        motion = core.move(distance, limits.flat, start)
+    except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
+        motion = core.RANGE
+    if not isinstance(motion, int):
+        return Trajectory.of_motion(motion)
 
     def plan(length: float, forward: Limits) -> Trajectory:
         move = within_range(lambda: _fastest(length, forward))
@@ -304,7 +310,10 @@ def _move(
 def _fastest(distance: float, limits: Limits) -> Trajectory:
     """Return the fastest closed form in positive direction."""
     if limits.order <= 3:
-        return low_order_move(distance, limits)
+        motion = core.move(distance, limits.flat, 0.0)
+        if isinstance(motion, int):
+            raise range_error()
+        return Trajectory.of_motion(motion)
     bounds = _magnitudes(limits)
     if not float_info.min <= distance / bounds[-1] < inf:
         raise OverflowError

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.binding import Pieces
+from .. import core
 from .checks import finite, in_range, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
@@ -22,6 +22,8 @@ from .trajectory_checks import check_shapes, check_times, finite_array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_ARRAYS = ("breaks", "states", "durations", "end_state")
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -106,6 +108,26 @@ class Trajectory(Frozen):
         trajectory._fill(breaks, states, durations, end_state, coasting)
         return trajectory
 
+    @classmethod
+    def of_motion(cls, motion: core.Motion) -> Self:
+        """Return a motion of the core; its arrays are made when they are asked for."""
+        trajectory = object.__new__(cls)
+        fields = trajectory.__dict__  # the way around `frozen`
+        fields["_motion"], fields["coasting"] = motion, min(1, motion.order - 1)
+        return trajectory
+
+    def __getattr__(self, name: str) -> Any:
+        motion = self.__dict__.get("_motion")
+        if motion is None or name not in _ARRAYS:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__.update(zip(_ARRAYS, motion.arrays(), strict=True))
+        return self.__dict__[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in _ARRAYS:
+            getattr(self, name)
+        return super().__getstate__()
+
     def _fill(
         self,
         breaks: FloatArray,
@@ -139,6 +161,9 @@ class Trajectory(Frozen):
     @property
     def duration(self) -> float:
         """Time from the first break to the last."""
+        motion = self.__dict__.get("_motion")
+        if motion is not None:
+            return float(motion.duration)
         return float(self.breaks[-1] - self.breaks[0])
 
     @property
@@ -475,11 +500,14 @@ class Trajectory(Frozen):
         return Trajectory.from_arrays(breaks, states, self.durations, end_state, self.coasting)
 
     @cached_property
-    def _pieces(self) -> Pieces:
+    def _pieces(self) -> core.Pieces:
+        motion = self.__dict__.get("_motion")
+        if motion is not None:
+            return motion.pieces()  # type: ignore[no-any-return]
         breaks, states, durations, end = map(
             np.ascontiguousarray, (self.breaks, self.states, self.durations, self.end_state)
         )
-        return Pieces(breaks, states, durations, end, self.coasting)
+        return core.Pieces(breaks, states, durations, end, self.coasting)
 
 
 def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import isfinite
-from typing import Any
 
 from ... import core
 from ..checks import finite, range_error, state_numbers
@@ -18,8 +16,6 @@ from .infeasible import check_end, inside, unreachable
 
 State = float | Sequence[float]
 """Position, velocity and, for order 3, acceleration; those left out at the end are zero."""
-
-_ARRAYS = ("breaks", "states", "durations", "end_state")
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -41,38 +37,14 @@ class Transfer(Trajectory):
 
     @classmethod
     def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
-        """Return a motion of the core; its arrays are made when they are asked for."""
-        transfer = object.__new__(cls)
-        fields = transfer.__dict__  # the way around `frozen`
-        fields["_motion"], fields["limits"] = motion, limits
-        fields["inside_after"], fields["coasting"] = motion.inside_after, 1
+        """Return a motion of the core, planned with limits."""
+        transfer = cls.of_motion(motion)
+        transfer.__dict__.update(limits=limits, inside_after=motion.inside_after)
         return transfer
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in _ARRAYS or "_motion" not in self.__dict__:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        self.__dict__.update(zip(_ARRAYS, self.__dict__["_motion"].arrays(), strict=True))
-        return self.__dict__[name]
-
-    def __getstate__(self) -> dict[str, Any]:
-        for name in _ARRAYS:
-            getattr(self, name)
-        return super().__getstate__()
 
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""
         return f"{super().__repr__()[:-1]}{told})"
-
-    @property
-    def duration(self) -> float:
-        """Time from the first break to the last."""
-        motion = self.__dict__.get("_motion")
-        return super().duration if motion is None else motion.duration
-
-    @cached_property
-    def _pieces(self) -> core.Pieces:
-        motion = self.__dict__.get("_motion")
-        return Trajectory._pieces.func(self) if motion is None else motion.pieces()
 
 
 class Problem:
