@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 from rich.box import SIMPLE_HEAD
@@ -11,6 +12,7 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     from ..plant.fmu.cosimulation.cosimulation_result import CosimulationResult
+    from ..plant.fmu.cosimulation.ssp_plan import SspPlan
     from ..plant.fmu.importing.description import FmuDescription, FmuVariable
 
 _GROUPS = {
@@ -20,6 +22,7 @@ _GROUPS = {
     "Local variables": ("local", "independent"),
 }
 _LONGEST = 60
+_COMPONENT = ("component", "FMU", "FMI", "binaries", "parameters given")
 
 
 def fmu_tables(description: FmuDescription, *, local: bool = False) -> list[Table]:
@@ -32,6 +35,25 @@ def fmu_tables(description: FmuDescription, *, local: bool = False) -> list[Tabl
     return tables
 
 
+def ssp_tables(plan: SspPlan) -> list[Table | str]:
+    """Return the tables of what an SSP says: components, what they are given, connections."""
+    structure = plan.structure
+    settings, notes = plan.settings({})
+    parts = _table(f"{structure.name}: SSP of {len(plan.descriptions)} FMUs", *_COMPONENT)
+    for name, description in plan.descriptions.items():
+        given = ", ".join(f"{key} = {_shown(value)}" for key, value in settings[name].items())
+        binaries = ", ".join(description.platforms) or "none"
+        cells = (name, description.model_name, description.fmi_version, binaries, given)
+        parts.add_row(*map(Text, cells))
+    links = _table("Connections", "from", "to", "gain", "offset")
+    rows = plan.links()
+    for source, target, gain, offset in rows:
+        links.add_row(Text(source), Text(target), f"{gain:.9g}", f"{offset:.9g}")
+    for column in (*parts.columns[1:], links.columns[1]):
+        column.justify = "left"
+    return [parts, *([links] if rows else []), *notes, f"sha256 {plan.sha256}"]
+
+
 def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[str, str]) -> Table:
     """Return where each signal of a run starts, ends and lies between."""
     time = result.time
@@ -41,7 +63,7 @@ def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[s
         values = result[name]
         peak = abs(values).max()
         numbers = (values[0], values[-1], values.min(), values.max())
-        table.add_row(Text(name), *(_cleaned(v, peak) for v in numbers), Text(units[name]))
+        table.add_row(Text(name), *(_cleaned(v, peak) for v in numbers), Text(units.get(name, "")))
     return table
 
 
@@ -61,10 +83,14 @@ def _summary(description: FmuDescription) -> Table:
         "start": experiment.start_time,
         "stop": experiment.stop_time,
         "step": experiment.step_size,
+        "inner step": can.fixed_internal_step,
     }
+    suggested = [f"{k} {v:.6g} s" for k, v in times.items() if v is not None]
+    if experiment.tolerance is not None:
+        suggested.append(f"tolerance {experiment.tolerance:.3g}")
     rows = {
         "description": description.description,
-        "kind": ", ".join(description.kinds),
+        "kind": _kind(description),
         "author": description.author,
         "version": description.version,
         "made by": description.generation_tool,
@@ -73,7 +99,7 @@ def _summary(description: FmuDescription) -> Table:
         "sources": "yes" if description.has_sources else "no",
         "can": ", ".join(text for text, holds in abilities.items() if holds) or "step",
         "needs": ", ".join(text for text, holds in needs.items() if holds),
-        "experiment": ", ".join(f"{k} {v:.6g} s" for k, v in times.items() if v is not None),
+        "experiment": ", ".join(suggested),
         "variables": str(len(description.variables)),
         "sha256": description.sha256,
     }
@@ -83,6 +109,15 @@ def _summary(description: FmuDescription) -> Table:
         if value:
             table.add_row(key, Text(value))
     return table
+
+
+def _kind(description: FmuDescription) -> str:
+    from ..plant.fmu.importing.description import CO_SIMULATION
+
+    kinds = ", ".join(description.kinds)
+    if CO_SIMULATION in description.kinds:
+        return kinds
+    return f"{kinds} only: to be run here, it must be exported for co-simulation"
 
 
 def _variables(title: str, variables: Iterable[FmuVariable]) -> Table:
@@ -99,15 +134,23 @@ def _variables(title: str, variables: Iterable[FmuVariable]) -> Table:
             variable.unit,
             variable.variability,
             variable.type,
-            variable.description,
+            "; ".join(filter(None, (variable.description, *_remarks(variable)))),
         )
         table.add_row(*map(Text, cells))
     return table
 
 
+def _remarks(variable: FmuVariable) -> Iterator[str]:
+    """Yield what may be given to the variable, or for its name, in other words."""
+    if variable.items:
+        yield ", ".join(f"{value} = {name}" for name, value in variable.items)
+    if variable.aliases:
+        yield f"also {', '.join(variable.aliases)}"
+
+
 def _cleaned(value: float, peak: float) -> str:
     """Return a number for reading, rounding errors beside its peak left out."""
-    return f"{value:.9g}" if abs(value) > 1e-12 * peak else "0"
+    return "0" if isfinite(peak) and abs(value) <= 1e-12 * peak else f"{value:.9g}"
 
 
 def _shown(value: object) -> str:

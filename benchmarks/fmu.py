@@ -1,5 +1,7 @@
 """One step of an imported FMU, inputs set and outputs read, beside FMPy's simulate_fmu.
 
+Isolated means in a process of its own.
+
 Run: python benchmarks/fmu.py   (needs a C compiler)
 """
 
@@ -46,7 +48,7 @@ def fmpy_run(path: Path, folder: Path, *, with_input: bool) -> Callable[[], obje
 
 
 def rows() -> list[tuple[str, ...]]:
-    """Return the table's rows: FMI version, our time, FMPy's with and without input, ratio."""
+    """Return the rows: FMI version, our time, isolated, FMPy's with and without input, ratio."""
     found = []
     with TemporaryDirectory() as folder:
         for version in ("2.0", "3.0"):
@@ -56,10 +58,15 @@ def rows() -> list[tuple[str, ...]]:
                 fmpy_run(path, Path(folder) / f"{version}_{given}", with_input=given)
                 for given in (True, False)
             ]
-            with load_fmu(path, dt=DT) as fmu:
-                step = partial(fmu.step, np.array([1.0]))
-                ours, driven, free = side_by_side(partial(repeated, STEPS, step), *runs, repeats=7)
-            each = [f"{1e6 * median(taken) / STEPS:.1f} µs" for taken in (ours, driven, free)]
+            with load_fmu(path, dt=DT) as fmu, load_fmu(path, dt=DT, isolated=True) as apart:
+                steps = [
+                    partial(repeated, STEPS, partial(one.step, np.array([1.0])))
+                    for one in (fmu, apart)
+                ]
+                ours, alone, driven, free = side_by_side(*steps, *runs, repeats=7)
+            each = [
+                f"{1e6 * median(taken) / STEPS:.1f} µs" for taken in (ours, alone, driven, free)
+            ]
             found.append((f"inertia, FMI {version}", *each, f"{ratio(driven, ours):.1f}"))
     return found
 
@@ -67,6 +74,7 @@ def rows() -> list[tuple[str, ...]]:
 HEADER = (
     "FMU",
     "jounce, a step",
+    "isolated",
     "simulate_fmu with input",
     "simulate_fmu without",
     "with input / jounce",

@@ -263,6 +263,9 @@ static double last_outside(const jounce_task *t, const jounce_piece *piece) {
     if (keeps(t, piece->v, piece->a, ROUNDING)) {
         return 0.0;
     }
+    if (!keeps(t, v, a, -ROUNDING)) { /* it ends at a bound */
+        return h;
+    }
     for (i = 0; i < MOST_HALVINGS; i++) {
         double middle = 0.5 * (low + high);
         if (!(low < middle && middle < high)) {

@@ -78,6 +78,8 @@ static int is_closed(double distance, const jounce_limits *l) {
            moderate(l->j_high);
 }
 
+/* Ramp up, hold, and, where the move cruises, ramp to the velocity. Without a cruise the two inner
+ * ramps are one piece, which add_mirrored leaves out. */
 static void add_half(const Shape *s, double jerk, jounce_motion *m) {
     double t = s->ramp, x = 0.0, v = 0.0, a = s->peak_a;
     if (t > 0.0) {
@@ -89,14 +91,17 @@ static void add_half(const Shape *s, double jerk, jounce_motion *m) {
     x += (v + 0.5 * a * s->hold) * s->hold;
     v += a * s->hold;
     if (t > 0.0) {
-        jounce_add(m, t, x, v, a, -jerk);
+        jounce_add(m, s->cruise > 0.0 ? t : 2.0 * t, x, v, a, -jerk);
     }
+    jounce_add(m, s->cruise, 0.5 * s->peak_v * ramps_of(s), s->peak_v, 0.0, 0.0);
 }
 
 static void add_mirrored(const Shape *s, double distance, double jerk, jounce_motion *m) {
     double t = s->ramp, a = s->peak_a, x = s->peak_v * (0.5 * ramps_of(s)), v = s->peak_v;
     if (t > 0.0) {
-        jounce_add(m, t, distance - x, v, 0.0, -jerk);
+        if (s->cruise > 0.0) {
+            jounce_add(m, t, distance - x, v, 0.0, -jerk);
+        }
         x = jerk * t * t * t / 6.0 + 0.5 * a * t * s->hold + 0.5 * a * s->hold * s->hold;
         v = 0.5 * a * t + a * s->hold;
     }
@@ -136,7 +141,6 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
         jerk = 0.0;
     }
     add_half(&s, jerk, motion);
-    jounce_add(motion, s.cruise, 0.5 * s.peak_v * ramps_of(&s), s.peak_v, 0.0, 0.0);
     add_mirrored(&s, size, jerk, motion);
     if (distance < 0.0) {
         jounce_turn(motion, 0);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf, isfinite
 from operator import index
 from typing import Any, TypeVar
@@ -53,6 +53,8 @@ def state_numbers(name: str, given: Any) -> list[Any]:
     """Return the numbers that a state is given by, unchecked; one alone is a position."""
     if isinstance(given, tuple | list):
         return list(given)
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        return [given]
     numbers: list[Any] = np.atleast_1d(real_array(name, given)).tolist()
     return numbers
 

@@ -17,7 +17,7 @@ from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
 from .limits import Limits
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
-from .real_numbers import real_array
+from .real_numbers import real_array, real_number
 from .trajectory_checks import check_shapes, check_times, finite_array
 
 if TYPE_CHECKING:
@@ -401,8 +401,8 @@ class Trajectory(Frozen):
         ValueError
             Where a derivative would jump that does not jump in either part.
         """
-        dwell = finite("dwell", dwell)
-        if dwell < 0.0:
+        dwell = real_number("dwell", dwell)
+        if not 0.0 <= dwell < np.inf:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
         n = max(self.order, following.order)
         if dwell > 0.0:

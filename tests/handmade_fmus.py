@@ -19,8 +19,9 @@ PLATFORM = {"2.0": "linux64", "3.0": "x86_64-linux"}
 
 @dataclass(frozen=True)
 class Model:
-    """A block: C code that steps it, over u[], y[], p[], x[] (doubles), t and h.
+    """A block: C code that steps it, over u[], y[], p[], x[] (doubles), t, h and settled.
 
+    The last is noSetFMUStatePriorToCurrentPoint.
     It may return a status of FMI, or 100 for FMI 3.0's wish to end the simulation.
     """
 
@@ -42,6 +43,10 @@ class Model:
     """Pairs (old, new) put into the XML after it is made."""
     prelude: str = ""
     """C code before everything else."""
+    epilogue: str = ""
+    """C code behind everything else."""
+    code: tuple = ()
+    """Pairs (old, new) put into the C source after it is made."""
     missing: str = ""
     """Function of the C source that is left out."""
 
@@ -135,7 +140,7 @@ def _xml2(model):
             causality = "local"
             of = f' derivative="{1 + next(i for i, r in enumerate(rows) if r[0] == name[4:-1])}"'
         variability = "tunable" if causality == "parameter" else "continuous"
-        if kind != "Real":
+        if kind != "Real" and causality != "parameter":
             variability = "discrete"
         lines.append(
             f'<ScalarVariable name={quoteattr(name)} valueReference="{reference}" '
@@ -169,13 +174,13 @@ def _xml3(model):
         given = "" if start is None else f' start="{start!r}"'
         if kind == "Boolean" and start is not None:
             given = f' start="{str(bool(start)).lower()}"'
-        if kind == "Int32" and start is not None:
+        if "Int" in kind and start is not None:
             given = f' start="{int(start)}"'
         if causality == "derivative":
             causality = "local"
             given = f' derivative="{FIRST["local"] + reference - FIRST["derivative"]}"'
         variability = "tunable" if causality == "parameter" else "continuous"
-        if kind != "Float64":
+        if kind != "Float64" and causality != "parameter":
             variability = "discrete"
         lines.append(
             f'<{kind} name={quoteattr(name)} valueReference="{reference}" '
@@ -237,7 +242,7 @@ static void defaults(State *s) {{
 static void show(State *s) {{
     double *u = s->u, *y = s->y, *p = s->p, *x = s->x; {model.outputs_code}
 }}
-static int advance(State *s, double h) {{
+static int advance(State *s, double h, int settled) {{
     double *u = s->u, *y = s->y, *p = s->p, *x = s->x, t = s->t; {model.step}
     s->t += h; show(s);
     return 0;
@@ -251,7 +256,10 @@ static void slope(State *s, const double *du, const double *dx, double *dy, doub
     if model.missing:
         assert model.missing in body
         body = body.replace(f" {model.missing}(", f" left_out_{model.missing}(")
-    return head + body
+    for old, new in model.code:
+        assert old in body, f"{old} not in {body}"
+        body = body.replace(old, new)
+    return head + body + model.epilogue
 
 
 _COMMON = r"""
@@ -333,7 +341,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n) {
     for (int i = 0; i < NU; i++)
         if (!isfinite(S(c)->u[i])) return fail(c, "input is not finite");
     if (fabs(t - S(c)->t) > 1e-9 * (1 + fabs(t))) return fail(c, "wrong communication point");
-    return advance(S(c), h);
+    return advance(S(c), h, n);
 }
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *out) {
     if (!*out) *out = malloc(sizeof(State));
@@ -405,8 +413,9 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
     if (fabs(t - S(c)->t) > 1e-9 * (1 + fabs(t))) return fail(c, "wrong communication point");
     *events = *end = *early = 0;
     *last = t + h;
-    int status = advance(S(c), h);
+    int status = advance(S(c), h, n);
     *end = status == 100;
+    if (*end && S(c)->t > t) *last = S(c)->t;
     return status == 100 ? fmi3OK : status;
 }
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *out) {

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .cosimulation.cosimulate import cosimulate
     from .cosimulation.cosimulation_result import CosimulationResult
+    from .cosimulation.fmu_system import FmuSystem
+    from .cosimulation.load_ssp import load_ssp
     from .exporting.compile import CompilerError
     from .exporting.export import FmuExport, export_fmu
     from .exporting.loop_blocks import SampledController
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
-    from .importing.description import FmuDescription, FmuError, FmuVariable
+    from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
     from .importing.io_system import io_system
     from .importing.linearize import linearize_fmu
     from .importing.load import load_fmu
@@ -29,6 +31,8 @@ _LATER = {
     "FmuError": "importing.description",
     "FmuExport": "exporting.export",
     "FmuState": "importing.stepping",
+    "FmuSystem": "cosimulation.fmu_system",
+    "FmuTerminated": "importing.description",
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "cosimulate": "cosimulation.cosimulate",
@@ -37,6 +41,7 @@ _LATER = {
     "io_system": "importing.io_system",
     "linearize_fmu": "importing.linearize",
     "load_fmu": "importing.load",
+    "load_ssp": "cosimulation.load_ssp",
 }
 
 __all__ = [
@@ -47,6 +52,8 @@ __all__ = [
     "FmuError",
     "FmuExport",
     "FmuState",
+    "FmuSystem",
+    "FmuTerminated",
     "FmuVariable",
     "SampledController",
     "SspExport",
@@ -58,6 +65,7 @@ __all__ = [
     "io_system",
     "linearize_fmu",
     "load_fmu",
+    "load_ssp",
 ]
 
 

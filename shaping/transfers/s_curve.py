@@ -234,12 +234,12 @@ def _rates(
     deceleration = positive("deceleration", deceleration)
     if jerk_percent is not None:
         _check_no_jerk(acceleration_jerk, deceleration_jerk, jerk_percent)
-        jerk_percent = finite("jerk_percent", jerk_percent)
-        if not 0.0 <= jerk_percent <= 1.0:
+        share = finite("jerk_percent", jerk_percent)
+        if not 0.0 <= share <= 1.0:
             raise ValueError(
                 f"jerk_percent = {jerk_percent!r}: expected 0 to 1, such as 0.5 for 50 %"
             )
-        return Rates(velocity, acceleration, deceleration, inf, inf, jerk_percent)
+        return Rates(velocity, acceleration, deceleration, inf, inf, share)
     if acceleration_jerk is None:
         raise ValueError("no jerk given: expected acceleration_jerk or jerk_percent")
     if deceleration_jerk is None:

@@ -105,7 +105,8 @@ def velocity_transfer(
     """
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
-    velocity, acceleration = finite("velocity", velocity), finite("acceleration", acceleration)
+    velocity = finite("end velocity", velocity)
+    acceleration = finite("end acceleration", acceleration)
     if limits.order == 2 and acceleration != 0.0:
         raise ValueError(
             f"acceleration = {acceleration!r}: at order 2 it may jump and cannot be asked for; "

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from time import monotonic
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -13,10 +11,12 @@ import numpy as np
 from ....shaping import Trajectory
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
-from ..importing.description import FmuError, candidates
+from ..importing.description import FmuError, FmuTerminated, candidates
 from ..importing.stepping import Fmu
 from .cosimulation_result import CosimulationResult
+from .mixing import mix
 from .participants import Participant, participant, start_time
+from .progress import progress_bar
 from .wiring import Connections, Wiring, connect, loops
 
 MAX_VALUES = 2**28
@@ -24,7 +24,6 @@ MAX_VALUES = 2**28
 
 _ON_GRID = 1e-9
 _CHUNKS = 200
-_PATIENCE_S = 1.0  # a run that is over sooner needs no progress bar
 
 
 def cosimulate(
@@ -61,8 +60,14 @@ def cosimulate(
         on from their present state and stay where the run ends; linear systems begin at rest. A
         trajectory has the outputs position, velocity, … .
     connections : pairs (source, target), or mapping of source to target or targets
-        "block.signal" each. A source may begin with "-", or be a number; several sources of one
-        target are added. Inputs of FMUs that are not connected stay as they are.
+        "block.signal" each. A source may begin with "-" or a gain, as in "57.3*plant.y", or be
+        known in advance: a number, a Trajectory (its position), a function of time, or a pair of
+        arrays (times, values); then the target is given its value at t_k for the step from t_k.
+        A table's values are joined by straight lines, for discrete inputs held; beyond its ends it
+        is held. Several sources of one target are added. Inputs of FMUs that are not connected
+        stay as they are. Where both ends have units of one dimension, numbers are converted
+        (rad to deg), by the base units that the FMUs declare, else by the units' names; with a
+        gain they are not, for then it is the gain that leads from one unit to the other.
     dt : float
         Communication step; discrete systems must have it as theirs.
     duration : float
@@ -75,6 +80,7 @@ def cosimulate(
     Returns
     -------
     CosimulationResult
+        Where an FMU ends the simulation, as FMI allows, with the rows up to then, and `ended`.
 
     Raises
     ------
@@ -82,8 +88,9 @@ def cosimulate(
         For a block of another kind.
     FmuError
         A ValueError, for names that nothing has, loose inputs of linear systems, algebraic loops,
-        units of FMUs that differ, a duration that is no multiple of dt, FMUs that stand at
+        units of different dimension, a duration that is no multiple of dt, FMUs that stand at
         different times, signals that leave the range of a double, and whatever an FMU reports.
+        Its `result` is a CosimulationResult of the rows before the error, where there are any.
 
     References
     ----------
@@ -111,20 +118,38 @@ def cosimulate(
     time = _grid(start_time(blocks.items()), dt, positive("duration", duration))
     method, sequence = _order(order, list(blocks))
     parts = {name: participant(name, block, dt, time) for name, block in blocks.items()}
-    wiring = connect(parts, connections)
+    if not any(part.outputs for part in parts.values()):
+        raise FmuError(
+            f"{', '.join(parts)}: no outputs that are numbers: there is nothing to show; load "
+            "the FMU with record=[…], the variables to show (on the command line --record)"
+        )
     values = len(time) * sum(len(part.outputs) + len(part.inputs) for part in parts.values())
     if values > MAX_VALUES:
         raise FmuError(
             f"{len(time)} communication points of these blocks are {values} values: expected at "
             f"most {MAX_VALUES}; use a larger dt or a shorter duration"
         )
+    wiring = connect(parts, connections, time)
     sources = frozenset(n for n, block in blocks.items() if isinstance(block, Trajectory))
-    with _bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
-        run = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
-        signals = MappingProxyType(run)
+    with progress_bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
+        run, error = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
     delays, extra = _delays(wiring, method, sequence, sources)
     outputs = tuple(f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs)
-    return CosimulationResult(time, signals, outputs, tuple(sequence), method, delays, extra)
+    result = CosimulationResult(
+        time[: len(next(iter(run.values())))],
+        MappingProxyType(run),
+        outputs,
+        tuple(sequence),
+        method,
+        delays,
+        extra,
+        ended=next((part.ended for part in parts.values() if part.ended), ""),
+        notes=wiring.notes,
+    )
+    if error is not None:
+        error.result = result
+        raise error
+    return result
 
 
 def _delays(
@@ -155,13 +180,18 @@ def _run(
     sources: frozenset[str],
     at_once: bool,
     advance: Any,
-) -> dict[str, FloatArray]:
-    """Return the signals of all blocks by name."""
-    places, shown = _places(parts), np.concatenate([part.start() for part in parts.values()])
-    outputs = np.empty((len(time), len(shown)))
-    inputs = {name: np.empty((len(time), len(part.inputs))) for name, part in parts.items()}
+) -> tuple[dict[str, FloatArray], FmuError | None]:
+    """Return the signals of all blocks by name, and the error that broke the run off."""
+    wide = {n: [i for i, s in enumerate(p.inputs) if s in p.wide] for n, p in parts.items()}
+    exact = any(part.wide for part in parts.values())
+    places = _places(parts)
+    shown = np.concatenate(
+        [part.start() for part in parts.values()], dtype=object if exact else float
+    )
+    outputs = np.empty((len(time), len(shown)), shown.dtype)
+    inputs = wiring.given  # to which is added, step by step, what the blocks show
     turns = [
-        (parts[n].step, wiring.constants[n], wiring.weights[n], places[n], inputs[n])
+        (parts[n].step, *_used(wiring.weights[n]), wide[n], places[n], inputs[n])
         for n in sequence
         if n not in sources
     ]
@@ -169,27 +199,60 @@ def _run(
     steps = len(time) - 1
     chunk = max(steps // _CHUNKS, 1)
     outputs[0] = shown
-    for k in range(steps):
-        seen = shown.copy() if at_once else shown
-        for step, constants, weights, place, record in turns:
-            u = constants + weights @ seen
-            record[k] = u
-            shown[place] = step(u)
-        for step, place, nothing in given:
-            shown[place] = step(nothing)
-        outputs[k + 1] = shown
-        if k % chunk == 0 or k == steps - 1:
-            _check_finite(shown, parts, time[k + 1])
-            advance((k + 1) / steps)
-    signals = {}
+    first = [
+        mix(record[0], weights, shown[used], whole) for _, weights, used, whole, _, record in turns
+    ]
+    watched = np.array([s not in part.recorded for part in parts.values() for s in part.outputs])
+    rows, error, checked = 1, None, 0
+    try:
+        for k in range(steps):
+            seen = shown.copy() if at_once else shown
+            for step, weights, used, whole, place, record in turns:
+                u = record[k] = mix(record[k], weights, seen[used], whole)
+                shown[place] = step(u)
+            for step, place, nothing in given:
+                shown[place] = step(nothing)
+            outputs[k + 1] = shown
+            rows = k + 2
+            ended = any(part.ended for part in parts.values())
+            if k % chunk == 0 or k == steps - 1 or ended:
+                rows = checked + _finite_rows(outputs[checked:rows, watched])
+                if rows < k + 2:
+                    raise _not_finite(outputs[rows], parts, time[rows])
+                checked = rows
+                advance((k + 1) / steps)
+            if ended:
+                break
+    except FmuTerminated:
+        pass
+    except FmuError as broken:
+        error = broken
+    if rows == 1:
+        for (*_, record), u in zip(turns, first, strict=True):
+            record[0] = u
+    return _signals(parts, outputs[:rows], {n: i[:rows] for n, i in inputs.items()}), error
+
+
+def _signals(
+    parts: Mapping[str, Participant], outputs: Any, inputs: Mapping[str, Any]
+) -> dict[str, FloatArray]:
+    """Return the columns of what was recorded by name; the last inputs are those before again."""
+    places, rows, signals = _places(parts), len(outputs), {}
     for name, part in parts.items():
-        inputs[name][-1] = inputs[name][-2]
-        columns = [*outputs.T[places[name]], *inputs[name].T]
+        if rows > 1:
+            inputs[name][rows - 1] = inputs[name][rows - 2]
+        columns = [*outputs[:, places[name]].T, *inputs[name].T]
         for signal, column in zip((*part.outputs, *part.inputs), columns, strict=True):
-            column = np.ascontiguousarray(column)
+            column = np.ascontiguousarray(column, dtype=part.wide.get(signal, float))
             column.flags.writeable = False
             signals[f"{name}.{signal}"] = column
     return signals
+
+
+def _used(weights: FloatArray) -> tuple[FloatArray, Any]:
+    """Return the weights of the outputs that count, and which these are: others may be infinite."""
+    used = np.flatnonzero(weights.any(axis=0))
+    return np.ascontiguousarray(weights[:, used]), used
 
 
 def _places(parts: Mapping[str, Participant]) -> dict[str, slice]:
@@ -200,14 +263,23 @@ def _places(parts: Mapping[str, Participant]) -> dict[str, slice]:
     }
 
 
-def _check_finite(shown: FloatArray, parts: Mapping[str, Participant], time: float) -> None:
-    if not np.isfinite(shown).all():
-        names = [f"{name}.{signal}" for name, part in parts.items() for signal in part.outputs]
-        lost = [name for name, value in zip(names, shown, strict=True) if not np.isfinite(value)]
-        raise FmuError(
-            f"{', '.join(lost[:5])} left the range of a double before time {time:g}: the loop is "
-            "unstable; check signs, gains, dt and the delays that the order causes"
-        )
+def _finite_rows(rows: Any) -> int:
+    """Return how many rows there are before the first that is not finite."""
+    finite = np.isfinite(rows.astype(float, copy=False)).all(axis=1)
+    return len(finite) if finite.all() else int(finite.argmin())
+
+
+def _not_finite(row: Any, parts: Mapping[str, Participant], time: float) -> FmuError:
+    signals = [(name, part, own) for name, part in parts.items() for own in part.outputs]
+    lost = [
+        f"{name}.{own}"
+        for (name, part, own), value in zip(signals, row, strict=True)
+        if not np.isfinite(float(value)) and own not in part.recorded
+    ]
+    return FmuError(
+        f"{', '.join(lost[:5])} left the range of a double at time {time:g}: the loop is "
+        "unstable; check signs, gains, dt and the delays that the order causes"
+    )
 
 
 def _check_names(blocks: Mapping[str, Any]) -> None:
@@ -244,31 +316,3 @@ def _order(order: str | Sequence[str], names: list[str]) -> tuple[str, list[str]
     if sorted(order) != sorted(names):
         raise FmuError(f"order = {list(order)}: expected each of {', '.join(names)} once")
     return "gauss-seidel", list(order)
-
-
-@contextmanager
-def _bar(wanted: bool | None) -> Iterator[Any]:
-    """Yield what shows the fraction of a run that is done."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    if wanted is False or (wanted is None and not console.is_terminal):
-        yield lambda fraction: None  # noqa: ARG005
-        return
-    bar = Progress(console=console, transient=console.is_terminal)
-    task = bar.add_task("co-simulation", total=1.0)
-    begun = monotonic()
-    shown = False
-
-    def advance(fraction: float) -> None:
-        nonlocal shown
-        if not shown and (wanted or monotonic() - begun > _PATIENCE_S):
-            bar.start()
-            shown = True
-        bar.update(task, completed=fraction)
-
-    try:
-        yield advance
-    finally:
-        bar.stop()

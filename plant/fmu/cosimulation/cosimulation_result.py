@@ -9,8 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from ....shaping.frozen import Frozen
 from ....shaping.pieces import FloatArray
 from ..exporting.archive import write_atomically
@@ -25,9 +23,9 @@ class CosimulationResult(Frozen):
     ----------
     time : (N + 1,) array
     signals : mapping of str to (N + 1,) array
-        By "block.signal", read-only. An output at t_k is what the block showed there, before the
-        step that begins at t_k. An input at t_k is what the block was given for that step (for
-        t_N, where none begins, the last one again).
+        By "block.signal", read-only, of doubles or integers of 64 bits. An output at t_k is what
+        the block showed there, before the step that begins at t_k. An input at t_k is what the
+        block was given for that step (for t_N, where none begins, the last one again).
     outputs : tuple of str
         Which of the signals are outputs.
     order : tuple of str
@@ -40,6 +38,10 @@ class CosimulationResult(Frozen):
     loops : mapping of str to int
         By loop of blocks: samples of delay beyond those of a sampled loop with a zero-order hold,
         which are the delays around the loop less 1.
+    ended : str
+        Which FMU ended the simulation, and when; empty where the run went through.
+    notes : tuple of str
+        Units that were converted, and tables that ended before the run.
     """
 
     time: FloatArray
@@ -49,6 +51,8 @@ class CosimulationResult(Frozen):
     method: str
     delays: Mapping[str, int]
     loops: Mapping[str, int]
+    ended: str = ""
+    notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> FloatArray:
         if name not in self.signals:
@@ -68,6 +72,8 @@ class CosimulationResult(Frozen):
                     f"  loop {text}: {extra} samples beyond a zero-order hold"
                     for text, extra in self.loops.items()
                 ),
+                *([f"  {self.ended}"] if self.ended else []),
+                *(f"  {note}" for note in self.notes),
             ]
         )
 
@@ -82,8 +88,8 @@ class CosimulationResult(Frozen):
         text = io.StringIO(newline="")
         writer = csv.writer(text)
         writer.writerow(["time", *self.signals])
-        columns = np.column_stack([self.time, *self.signals.values()])
-        writer.writerows(map(repr, row) for row in columns.tolist())
+        columns = [column.tolist() for column in (self.time, *self.signals.values())]
+        writer.writerows(map(repr, row) for row in zip(*columns, strict=True))
         try:
             write_atomically(Path(path), text.getvalue().encode())
         except OSError as error:

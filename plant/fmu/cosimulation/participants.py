@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from inspect import signature
 from typing import Any, Protocol
 
@@ -13,8 +14,10 @@ from ....shaping.derivatives import derivative_name
 from ....shaping.pieces import FloatArray
 from ...respond import state_space
 from ...sampled import zero_order_hold
-from ..importing.description import FmuError
+from ..importing.description import FmuDescription, FmuError, FmuTerminated, FmuUnit
+from ..importing.ports import WIDE
 from ..importing.stepping import Fmu
+from .conversion import NO_UNIT, unit_of
 
 _SAME_DT = 1e-9
 
@@ -23,15 +26,22 @@ class Participant(Protocol):
     """A block of a co-simulation.
 
     `held` are the inputs where nothing is connected, nan where something must be; `through`
-    (outputs, inputs) is True where an output of a step passes an input on within no time; `units`
-    are those of the signals that have one.
+    (outputs, inputs) is True where an output of a step passes an input on within no time; `steps`
+    is True for inputs that change in steps only; `recorded` are outputs that only are looked at,
+    which may be infinite; `units` are those of the signals that have one; `wide` the types of
+    those that are integers of 64 bits. `ended` says when and why the block has ended the
+    simulation, if it has.
     """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     held: FloatArray
     through: Any
-    units: Mapping[str, str]
+    steps: tuple[bool, ...]
+    recorded: frozenset[str]
+    units: Mapping[str, FmuUnit]
+    wide: Mapping[str, Any]
+    ended: str
 
     def start(self) -> FloatArray:
         """Return the outputs before the first step."""
@@ -81,17 +91,40 @@ def start_time(blocks: Iterable[tuple[str, Any]]) -> float:
     return next(iter(times.values()), 0.0)
 
 
+def units_of(
+    description: FmuDescription, labels: Iterable[str] | None = None
+) -> dict[str, FmuUnit]:
+    """Return the units of what has one in an FMU, by label; default: of all its variables."""
+    if labels is None:
+        labels = [label for variable in description.variables for label in variable.labels]
+    variables = {label: description.variable(label) for label in labels}
+    names = {variable.unit for variable in variables.values()}.difference(NO_UNIT)
+    known = {name: unit_of(name, description.units) for name in names}
+    return {
+        label: replace(known[v.unit], offset=0.0) if v.relative else known[v.unit]
+        for label, v in variables.items()
+        if v.unit in known
+    }
+
+
 class _FmuBlock:
     def __init__(self, name: str, fmu: Fmu, dt: float) -> None:
         self.inputs, self.outputs = fmu.input_names, fmu.output_names
-        if not self.outputs:
-            raise FmuError(f"block {name!r} has no outputs that are numbers: leave it out")
         self.held = fmu.inputs
         self.through = np.zeros((len(self.outputs), len(self.inputs)), dtype=bool)
-        numeric = fmu.description.of_causality("input", "output")
-        self.units: Mapping[str, str] = {
-            label: v.unit for v in numeric if v.unit not in ("", "1") for label in v.labels
+        stepped = {
+            label
+            for v in fmu.description.of_causality("input")
+            for label in v.labels
+            if v.variability != "continuous"
         }
+        self.steps = tuple(label in stepped for label in self.inputs)
+        self.recorded = frozenset(fmu.recorded_names)
+        self.units: Mapping[str, FmuUnit] = units_of(fmu.description, fmu.units)
+        kinds = {n: fmu.description.variable(n).type for n in (*self.inputs, *self.outputs)}
+        self.wide: Mapping[str, Any] = {n: WIDE[k] for n, k in kinds.items() if k in WIDE}
+        self.ended = ""
+        self._name = name
         self._fmu = fmu
         self._dt = dt
 
@@ -99,7 +132,14 @@ class _FmuBlock:
         return self._fmu.outputs
 
     def step(self, inputs: FloatArray) -> FloatArray:
-        return self._fmu.step(inputs, self._dt)
+        before = self._fmu.time
+        try:
+            return self._fmu.step(inputs, self._dt)
+        except FmuTerminated as end:
+            self.ended = f"{self._name} ended the simulation at time {end.time:.12g}"
+            if not end.reached or end.time == before:
+                raise
+            return end.outputs
 
 
 class _Linear:
@@ -125,7 +165,11 @@ class _Linear:
             )
         self.held = np.full(len(self.inputs), np.nan)
         self.through = held.D != 0.0
-        self.units: Mapping[str, str] = {}
+        self.steps = (False,) * len(self.inputs)
+        self.recorded: frozenset[str] = frozenset()
+        self.units: Mapping[str, FmuUnit] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self._a, self._b, self._c, self._d = held.A, held.B, held.C, held.D
         late = self.through.any(axis=1) & bool(sampled)
         self._before = held.C * late[:, None]
@@ -151,7 +195,11 @@ class _Source:
         self.outputs = tuple(derivative_name(k) for k in range(trajectory.order + 1))
         self.held = np.zeros(0)
         self.through = np.zeros((len(self.outputs), 0), dtype=bool)
-        self.units: Mapping[str, str] = {}
+        self.steps: tuple[bool, ...] = ()
+        self.recorded: frozenset[str] = frozenset()
+        self.units: Mapping[str, FmuUnit] = {}
+        self.wide: Mapping[str, Any] = {}
+        self.ended = ""
         self.values = np.array([trajectory(time, k) for k in range(trajectory.order + 1)]).T
         self._next = 0
 

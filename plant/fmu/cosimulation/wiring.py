@@ -2,41 +2,53 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ....shaping.checks import finite
 from ....shaping.pieces import FloatArray
-from ..importing.description import FmuError, candidates
+from ..importing.description import FmuError, FmuUnit, candidates
+from .conversion import conversion
+from .over_time import Source, over_time
 from .participants import Participant
 
-Connections = Mapping[str, str | Sequence[str]] | Iterable[tuple[str | float, str | Sequence[str]]]
+Connections = Mapping[str, str | Sequence[str]] | Iterable[tuple[Source, str | Sequence[str]]]
 """Pairs of source and target, or a mapping from sources to targets."""
 
 _MAX_LOOPS = 50
+_GAIN = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*\*\s*(.+)")
+_NO_UNIT = FmuUnit("")
 
 
 @dataclass(frozen=True, eq=False)
 class Wiring:
-    """Inputs of each block as constants + weights @ (all outputs).
+    """Inputs of each block at step k as given[k] + weights @ (all outputs).
 
-    `links` are (block of the source, block of the target, "source -> target").
+    `links` are (block of the source, block of the target, "source -> target"); `notes` tell
+    which units were converted, and where tables were held beyond their ends.
     """
 
-    constants: Mapping[str, FloatArray]
+    given: Mapping[str, FloatArray]
     weights: Mapping[str, FloatArray]
     links: tuple[tuple[str, str, str], ...]
+    notes: tuple[str, ...]
 
 
-def connect(blocks: Mapping[str, Participant], connections: Connections) -> Wiring:
+def connect(
+    blocks: Mapping[str, Participant], connections: Connections, time: FloatArray
+) -> Wiring:
     """Return the wiring of blocks; FmuError for unknown names, algebraic loops, loose inputs."""
     outputs = [f"{name}.{signal}" for name, block in blocks.items() for signal in block.outputs]
     inputs = [f"{name}.{signal}" for name, block in blocks.items() for signal in block.inputs]
-    constants = {name: block.held.copy() for name, block in blocks.items()}
+    given: dict[str, Any] = {
+        name: np.tile(np.asarray(block.held, _dtype(block)), (len(time), 1))
+        for name, block in blocks.items()
+    }
     weights = {name: np.zeros((len(b.inputs), len(outputs))) for name, b in blocks.items()}
-    links = []
+    links, notes = [], []
     touched: set[str] = set()
     for source, target in _pairs(connections):
         if target not in inputs:
@@ -45,19 +57,31 @@ def connect(blocks: Mapping[str, Participant], connections: Connections) -> Wiri
         row = blocks[name].inputs.index(signal)
         if target not in touched:
             touched.add(target)
-            constants[name][row] = 0.0
+            given[name][:, row] = 0
         if not isinstance(source, str):
-            constants[name][row] += finite(f"source of {target}", source)
+            part = blocks[name]
+            values, note = over_time(
+                source, target, time, steps=part.steps[row], exact=signal in part.wide
+            )
+            given[name][:, row] += values
+            notes.append(note)
             continue
-        sign, plain = (-1.0, source[1:].strip()) if source.startswith("-") else (1.0, source)
+        factor, plain = _factored(source, outputs)
         if plain not in outputs:
             raise FmuError(_unknown(plain, outputs, inputs, "output", "input"))
-        _check_units(blocks, plain, target)
-        weights[name][row, outputs.index(plain)] += sign
+        gain, offset, note = _conversion(blocks, source, plain, target, factor)
+        weights[name][row, outputs.index(plain)] += gain
+        given[name][:, row] += offset
+        notes.append(note)
         links.append((plain.split(".", 1)[0], name, f"{source} -> {target}"))
-    _check_loose(blocks, constants)
+    _check_loose(blocks, given)
     _check_algebraic(blocks, outputs, weights)
-    return Wiring(constants, weights, tuple(links))
+    return Wiring(given, weights, tuple(links), tuple(filter(None, notes)))
+
+
+def _dtype(block: Participant) -> type:
+    """Return what holds the inputs of a block: integers of 64 bits are objects."""
+    return object if any(name in block.wide for name in block.inputs) else float
 
 
 def loops(links: Iterable[tuple[str, str]], order: Sequence[str]) -> list[tuple[str, ...]]:
@@ -79,7 +103,7 @@ def loops(links: Iterable[tuple[str, str]], order: Sequence[str]) -> list[tuple[
     return found[:_MAX_LOOPS]
 
 
-def _pairs(connections: Connections) -> Iterable[tuple[str | float, str]]:
+def _pairs(connections: Connections) -> Iterable[tuple[Source, str]]:
     items = connections.items() if isinstance(connections, Mapping) else connections
     for item in items:
         if isinstance(item, str) or len(item) != 2:
@@ -100,21 +124,44 @@ def _unknown(name: str, wanted: Sequence[str], other: Sequence[str], kind: str, 
     return f"no {kind} {name!r}{candidates(name, wanted)}"
 
 
-def _check_units(blocks: Mapping[str, Participant], source: str, target: str) -> None:
+def _factored(source: str, outputs: Sequence[str]) -> tuple[float | str, str]:
+    """Return what stands before a source, a gain or only its sign, and its name."""
+    if source in outputs:
+        return "+", source
+    if found := _GAIN.fullmatch(source):
+        return float(found[1]), found[2].strip()
+    return ("-", source[1:].strip()) if source.startswith("-") else ("+", source)
+
+
+def _conversion(
+    blocks: Mapping[str, Participant], text: str, source: str, target: str, factor: float | str
+) -> tuple[float, float, str]:
+    """Return gain and offset of a connection, and what of its units the user should know."""
     given, taken = (
-        blocks[name].units.get(signal, "")
+        blocks[name].units.get(signal, _NO_UNIT)
         for name, signal in (end.split(".", 1) for end in (source, target))
     )
-    if given and taken and given != taken:
+    differ = bool(given.name and taken.name and given.name != taken.name)
+    if not isinstance(factor, str):
+        told = f"{text} -> {target}: {given.name} becomes {taken.name} by the gain that is given"
+        return factor, 0.0, told if differ else ""
+    found = conversion(given, taken)
+    if found is None:
         raise FmuError(
-            f"{source!r} is in {given}, {target!r} in {taken}: export both in one unit, or put a "
-            "gain between them, control.ss([], [], [], [[factor]], dt)"
+            f"{source!r} is in {given.name}, {target!r} in {taken.name}, which cannot be converted "
+            f"into each other: export both in one unit, or give the gain, ('1.0*{source}', "
+            f"'{target}')"
         )
+    sign = -1.0 if factor == "-" else 1.0
+    gain, offset = found
+    shift = f" {'+' if offset > 0.0 else '−'} {abs(offset):.9g}" if offset else ""
+    told = f"{text} -> {target}: {given.name} converted to {taken.name}, ×{gain:.9g}{shift}"
+    return sign * gain, sign * offset, told if differ else ""
 
 
-def _check_loose(blocks: Mapping[str, Participant], constants: Mapping[str, FloatArray]) -> None:
+def _check_loose(blocks: Mapping[str, Participant], given: Mapping[str, FloatArray]) -> None:
     for name, block in blocks.items():
-        for signal, value in zip(block.inputs, constants[name], strict=True):
+        for signal, value in zip(block.inputs, given[name][0], strict=True):
             if np.isnan(value):
                 raise FmuError(
                     f"'{name}.{signal}' is connected to nothing: connect it, or feed it a number, "

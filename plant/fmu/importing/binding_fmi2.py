@@ -13,7 +13,7 @@ import numpy as np
 
 from .description import FmuDescription, FmuError
 from .instance import Functions, Instance
-from .library import WARNING, Log
+from .library import DISCARD, TERMINATED, WARNING, Log
 
 DTYPES: dict[str, Any] = {
     "Real": np.float64,
@@ -24,6 +24,7 @@ DTYPES: dict[str, Any] = {
 """What the binary takes for each type of variable."""
 
 _CO_SIMULATION = 1
+_LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
 _LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
 _ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
 _FREE = ctypes.CFUNCTYPE(None, c_void_p)
@@ -40,7 +41,12 @@ class _Callbacks(ctypes.Structure):
 
 
 def instantiate(
-    library: ctypes.CDLL, description: FmuDescription, resources: Path, log: Log
+    library: ctypes.CDLL,
+    description: FmuDescription,
+    resources: Path,
+    log: Log,
+    *,
+    logging_on: bool = False,
 ) -> Instance:
     """Return a new instance; FmuError, with what the FMU logged, where it refuses."""
     call = Functions(library, "fmi2")
@@ -57,7 +63,7 @@ def instantiate(
         resources.as_uri().encode(),
         ctypes.addressof(callbacks),
         0,
-        1,
+        int(logging_on),
     )
     if not found:
         raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
@@ -65,7 +71,7 @@ def instantiate(
     return Instance(
         call,
         handle,
-        do_step=_stepper(call, handle, description.capabilities.can_get_and_set_state),
+        do_step=_stepper(call, handle, log),
         enter_initialization=_initializer(call, handle),
         state_word="FMUstate",
         sized=False,
@@ -73,24 +79,51 @@ def instantiate(
     )
 
 
-def _stepper(call: Functions, handle: c_void_p, rolls_back: bool) -> Callable[[float, float], int]:
+def _stepper(
+    call: Functions, handle: c_void_p, log: Log
+) -> Callable[[float, float, bool], tuple[int, float]]:
     function = call("DoStep", c_void_p, c_double, c_double, c_int)
-    never_back = 0 if rolls_back else 1
 
-    def do_step(time: float, length: float) -> int:
-        status: int = function(handle, time, length, never_back)
-        return status
+    def do_step(time: float, length: float, no_way_back: bool) -> tuple[int, float]:
+        status: int = function(handle, time, length, no_way_back)
+        if status != DISCARD:
+            return status, time + length
+        ended, reached = _asked(call, handle, time)
+        if ended:
+            return TERMINATED, reached
+        log.add(DISCARD, None, f"it came to time {reached!r}; take a smaller step".encode())
+        return DISCARD, reached
 
     return do_step
 
 
-def _initializer(call: Functions, handle: c_void_p) -> Callable[[float, float | None], int]:
+def _asked(call: Functions, handle: c_void_p, time: float) -> tuple[bool, float]:
+    """Return whether a discarded step was the end of the simulation, and the time it reached."""
+    ended, reached = c_int(0), c_double(time)
+    try:
+        of_truth = call("GetBooleanStatus", c_void_p, c_int, c_void_p)
+        of_time = call("GetRealStatus", c_void_p, c_int, c_void_p)
+    except FmuError:
+        return False, time
+    if of_truth(handle, _TERMINATED, ctypes.addressof(ended)) > WARNING:
+        ended.value = 0
+    if of_time(handle, _LAST_SUCCESSFUL_TIME, ctypes.addressof(reached)) > WARNING:
+        reached.value = time
+    return bool(ended.value), max(reached.value, time)
+
+
+def _initializer(
+    call: Functions, handle: c_void_p
+) -> Callable[[float, float | None, float | None], int]:
     setup = call("SetupExperiment", c_void_p, c_int, c_double, c_double, c_int, c_double)
     enter = call("EnterInitializationMode", c_void_p)
 
-    def enter_initialization(start_time: float, stop_time: float | None) -> int:
-        defined = int(stop_time is not None)
-        status: int = setup(handle, 0, 0.0, start_time, defined, stop_time or 0.0)
+    def enter_initialization(
+        start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> int:
+        tolerant, stopped = int(tolerance is not None), int(stop_time is not None)
+        times = start_time, stopped, stop_time or 0.0
+        status: int = setup(handle, tolerant, tolerance or 0.0, *times)
         return status if status > WARNING else max(status, enter(handle))
 
     return enter_initialization

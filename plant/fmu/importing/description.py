@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from ....shaping.pieces import FloatArray
+    from ..cosimulation.cosimulation_result import CosimulationResult
 
 CO_SIMULATION = "co-simulation"
 
@@ -13,7 +19,33 @@ _LINES_IN_TEXT = 60
 
 
 class FmuError(ValueError):
-    """An FMU that cannot be used as asked: what is wrong with it, and what to do about it."""
+    """An FMU that cannot be used as asked: what is wrong with it, and what to do about it.
+
+    Attributes
+    ----------
+    result : CosimulationResult or None
+        Where a run of `cosimulate` broke off at step k: its rows 0 … k.
+    """
+
+    result: CosimulationResult | None = None
+
+
+class FmuTerminated(FmuError):
+    """An FMU that ended the simulation by itself, as FMI allows.
+
+    Attributes
+    ----------
+    time : float
+        The last time that it reached.
+    outputs : (number of outputs,) array
+        What it shows there.
+    reached : bool
+        Whether that is the end of the step.
+    """
+
+    time: float
+    outputs: FloatArray
+    reached: bool
 
 
 @dataclass(frozen=True)
@@ -31,14 +63,20 @@ class FmuVariable:
         in FMI 3.0.
     causality, variability, initial : str
         FMI's own words; initial is empty where not given.
-    start : float, int, bool, str, tuple of them or None
-        None where not given; a tuple for an array.
+    start : float, int, bool, str, bytes, tuple of them or None
+        None where not given; a tuple for an array, row by row.
     min, max, nominal : float or None
         None where not given.
     shape : tuple of int
         () for a scalar.
     derivative_of : str
         Name of the variable whose derivative it is, or empty.
+    items : tuple of (str, int)
+        Name and value of each item of an enumeration.
+    relative : bool
+        Whether it is a difference, such as of temperatures, to which no offset of a unit applies.
+    aliases : tuple of str
+        Its other names in FMI 3.0; in FMI 2.0 they are variables of the same value reference.
     """
 
     name: str
@@ -55,6 +93,9 @@ class FmuVariable:
     description: str = ""
     shape: tuple[int, ...] = ()
     derivative_of: str = ""
+    items: tuple[tuple[str, int], ...] = ()
+    relative: bool = False
+    aliases: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -70,6 +111,19 @@ class FmuVariable:
         if not self.shape:
             return (self.name,)
         return tuple(f"{self.name}[{','.join(map(str, i))}]" for i in _indices(self.shape))
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """Each of its values, in the order of `labels`."""
+        return tuple(Signal(label, self, i) for i, label in enumerate(self.labels))
+
+
+class Signal(NamedTuple):
+    """One value of a variable, by a name of its own: at `place`, counted row by row from 0."""
+
+    label: str
+    variable: FmuVariable
+    place: int
 
 
 @dataclass(frozen=True)
@@ -167,12 +221,48 @@ class FmuDescription:
     sha256: str = ""
 
     def variable(self, name: str) -> FmuVariable:
-        """Return the variable of this name; FmuError, naming the nearest ones, if none has it."""
-        for variable in self.variables:
-            if variable.name == name:
-                return variable
-        names = [variable.name for variable in self.variables]
-        raise FmuError(f"{self.model_name} has no variable {name!r}{candidates(name, names)}")
+        """Return the variable of a name, an alias or an element, such as A[1,2] of A.
+
+        FmuError, naming the nearest ones, if none has it.
+        """
+        return self.element(name)[0]
+
+    def element(self, name: str) -> tuple[FmuVariable, int | None]:
+        """Return `variable(name)`, and the place of an element, counted row by row from 0."""
+        if name in self._named:
+            return self._named[name], None
+        head, _, index = str(name).rpartition("[")
+        variable = self._named.get(head)
+        if variable is None or not variable.shape or not index.endswith("]"):
+            raise FmuError(
+                f"{self.model_name} has no variable {name!r}{candidates(name, self._named)}"
+            )
+        return variable, _place(name, index[:-1], variable.shape)
+
+    def signals(self, name: str) -> tuple[Signal, ...]:
+        """Return the values that a name stands for: one, or all those of an array, spread out."""
+        variable, place = self.element(name)
+        if place is not None:
+            return (Signal(name, variable, place),)
+        return tuple(
+            signal._replace(variable=variable) for signal in replace(variable, name=name).signals
+        )
+
+    @property
+    def tool_hint(self) -> str:
+        """What may be behind an FMU's failure to begin: the end of a message, or nothing."""
+        if not self.capabilities.needs_execution_tool:
+            return ""
+        return (
+            " (it declares needsExecutionTool: it may need the tool that made it, "
+            f"{self.generation_tool or 'unknown'}, on this machine; install that, or export the "
+            "FMU self-contained)"
+        )
+
+    @cached_property
+    def _named(self) -> dict[str, FmuVariable]:
+        others = {alias: v for v in self.variables for alias in v.aliases}
+        return {**others, **{variable.name: variable for variable in self.variables}}
 
     def of_causality(self, *causalities: str) -> tuple[FmuVariable, ...]:
         """Return the variables of these causalities, in the order of the file."""
@@ -242,9 +332,30 @@ def _line(variable: FmuVariable) -> str:
         parts.append(f"({low} to {high})")
     if variable.type not in ("Real", "Float64"):
         parts.append(variable.type)
+    if variable.items:
+        parts.append(f"({', '.join(f'{name} = {value}' for name, value in variable.items)})")
+    if variable.aliases:
+        parts.append(f"(also {', '.join(variable.aliases)})")
     if variable.description:
         parts.append(f"– {variable.description}")
     return " ".join(parts)
+
+
+def _place(name: str, index: str, shape: tuple[int, ...]) -> int:
+    counts = [int(part) if part.strip().isdecimal() else 0 for part in index.split(",")]
+    if len(counts) != len(shape) or not all(map(_within, counts, shape)):
+        raise FmuError(
+            f"no element {name!r}: the array has {'×'.join(map(str, shape))} values, counted "
+            "from 1 in each direction"
+        )
+    place = 0
+    for i, length in zip(counts, shape, strict=True):
+        place = place * length + i - 1
+    return place
+
+
+def _within(count: int, length: int) -> bool:
+    return 1 <= count <= length
 
 
 def _indices(shape: tuple[int, ...]) -> list[tuple[int, ...]]:

@@ -50,9 +50,10 @@ class Instance:
     handle : c_void_p
         What the FMU's instantiation returned.
     do_step : callable
-        Of time and length of the step.
+        Of time and length of the step, and whether no state before it will be gone back to
+        (FMI's noSetFMUStatePriorToCurrentPoint). Returns status and the time that was reached.
     enter_initialization : callable
-        Of start time and stop time or None.
+        Of start time, stop time or None, tolerance or None.
     state_word : str
         How this version of FMI spells FMUState.
     sized : bool
@@ -61,13 +62,18 @@ class Instance:
         What must live as long as the instance, such as its callbacks.
     """
 
+    ending = ""
+    """How its process ended, where it has one of its own."""
+    took_inputs = True
+    """Whether it had its inputs before the last step, where they are sent with it."""
+
     def __init__(
         self,
         functions: Functions,
         handle: c_void_p,
         *,
-        do_step: Callable[[float, float], int],
-        enter_initialization: Callable[[float, float | None], int],
+        do_step: Callable[[float, float, bool], tuple[int, float]],
+        enter_initialization: Callable[[float, float | None, float | None], int],
         state_word: str,
         sized: bool,
         kept: object,
@@ -78,6 +84,7 @@ class Instance:
         self._handle = handle
         self._state_word = state_word
         self._sized = sized
+        self._boolean = ctypes.c_bool if sized else ctypes.c_int
         self._kept = kept
         for name in ("ExitInitializationMode", "Terminate", "Reset"):
             functions(name, c_void_p)
@@ -99,10 +106,25 @@ class Instance:
         """Free the instance: no call may follow."""
         self._free(self._handle)
 
+    def log_categories(self, names: Sequence[str]) -> int:
+        """Have events of these categories logged; of all where none is named."""
+        function = self._call("SetDebugLogging", c_void_p, self._boolean, c_size_t, ARRAY)
+        texts = (c_char_p * len(names))(*(name.encode() for name in names))
+        status: int = function(self._handle, True, len(names), texts if names else None)
+        return status
+
     def plain(self, name: str) -> int:
         """Call a function that takes nothing but the instance."""
         status: int = self._call(name, c_void_p)(self._handle)
         return status
+
+    def input_setter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
+        """Return a `setter` for inputs: errors may show in the step that follows."""
+        return self.setter(kind, references, values)
+
+    def output_getter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
+        """Return a `getter` for what is asked for after each step."""
+        return self.getter(kind, references, values)
 
     def setter(self, kind: str, references: Sequence[int], values: Any) -> Callable[[], int]:
         """Return a call without arguments that sets variables to what is in an array then."""
@@ -112,15 +134,27 @@ class Instance:
         """Return a call without arguments that puts variables into an array."""
         return self._mover("Get", kind, references, values)
 
-    def set_text(self, reference: int, text: str) -> int:
-        """Set a string."""
-        return self._text("Set", reference, (c_char_p * 1)(text.encode()))
+    def set_text(self, reference: int, texts: Sequence[str]) -> int:
+        """Set all the strings of a variable."""
+        return self._text("Set", reference, (c_char_p * len(texts))(*(t.encode() for t in texts)))
 
-    def get_text(self, reference: int) -> tuple[int, str]:
-        """Return status and a string."""
-        values = (c_char_p * 1)()
+    def get_text(self, reference: int, count: int) -> tuple[int, list[str]]:
+        """Return status and the strings of a variable."""
+        values = (c_char_p * count)()
         status = self._text("Get", reference, values)
-        return status, (values[0] or b"").decode(errors="replace")
+        return status, [(value or b"").decode(errors="replace") for value in values]
+
+    def set_binary(self, reference: int, values: Sequence[bytes]) -> int:
+        """Set all the values of a binary variable; FMI 3.0 only."""
+        sizes = (c_size_t * len(values))(*map(len, values))
+        return self._binary("Set", reference, sizes, (c_char_p * len(values))(*values))
+
+    def get_binary(self, reference: int, count: int) -> tuple[int, list[bytes]]:
+        """Return status and the values of a binary variable; FMI 3.0 only."""
+        sizes, values = (c_size_t * count)(), (c_void_p * count)()
+        status = self._binary("Get", reference, sizes, values)
+        pairs = zip(values, sizes, strict=True)
+        return status, [ctypes.string_at(value, size) if value else b"" for value, size in pairs]
 
     def get_state(self) -> tuple[int, int]:
         """Return status and a pointer to a copy of the state, to be freed by `free_state`."""
@@ -167,6 +201,13 @@ class Instance:
         function = self._call(f"{verb}String", c_void_p, ARRAY, c_size_t, ARRAY, *sizes)
         status: int = function(
             self._handle, _references([reference]), 1, values, *self._size(values)
+        )
+        return status
+
+    def _binary(self, verb: str, reference: int, sizes: Any, values: Any) -> int:
+        function = self._call(f"{verb}Binary", c_void_p, ARRAY, c_size_t, ARRAY, ARRAY, c_size_t)
+        status: int = function(
+            *(self._handle, _references([reference]), 1, sizes, values, len(values))
         )
         return status
 

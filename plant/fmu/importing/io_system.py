@@ -12,6 +12,7 @@ import numpy as np
 
 from ....shaping.checks import positive, whole
 from ....shaping.pieces import FloatArray
+from .agreement import answers_alike
 from .description import FmuError
 from .stepping import Fmu, FmuState
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 MAX_SNAPSHOTS = 100_000
 """Snapshots that may be kept."""
 
+_CHECKED_STEPS = 100
 _START = (0.0, 0.0)
 _FINGERPRINT_BITS = 53  # whole numbers of a double
 
@@ -57,8 +59,10 @@ def io_system(
     Raises
     ------
     FmuError
-        For an FMU that cannot get and set its state, or has no dt. Evaluated at a state that is
-        none of its own or whose snapshot was dropped, the system raises it too.
+        For an FMU that cannot get and set its state, has no dt, or answers otherwise while a
+        snapshot of it is kept than it does without (100 steps of a second instance are tried).
+        Evaluated at a state that is none of its own or whose snapshot was dropped, the system
+        raises it too.
 
     Examples
     --------
@@ -81,12 +85,15 @@ def io_system(
     """
     import control
 
-    if dt is None:
-        dt = fmu.dt
-    if dt is None:
-        raise FmuError(f"{fmu.description.model_name} suggests no step size: give io_system a dt")
-    dt = positive("dt", dt)
+    dt = positive("dt", fmu.dt if dt is None else dt)
     fmu.check_rollback("be evaluated repeatedly, as python-control does")
+    if not answers_alike(fmu, dt, _CHECKED_STEPS):
+        raise FmuError(
+            f"{fmu.description.model_name} answers otherwise while a snapshot of it is kept "
+            "(noSetFMUStatePriorToCurrentPoint false) than it does without, so it cannot be "
+            "evaluated repeatedly, as python-control does; use `cosimulate` or a plain loop of "
+            "`step`, or linearize_fmu just after load_fmu"
+        )
     states = _Snapshots(fmu, dt, whole("snapshots", snapshots, 2, MAX_SNAPSHOTS))
     return control.NonlinearIOSystem(
         lambda t, x, u, params: states.step(x, u),  # noqa: ARG005

@@ -8,25 +8,35 @@ import shutil
 import sys
 from collections import deque
 from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
 
 from .description import FmuDescription, FmuError
 from .instance import Instance
 
+if TYPE_CHECKING:
+    from .isolation import Process, RemoteInstance
+
 WARNING = 1
 """The highest status with which a call has done what it was asked for."""
+DISCARD = 2
+ERROR = 3
 FATAL = 4
 TERMINATED = 100
 """Ours, not FMI's: the FMU asks for the end of the simulation."""
+GONE = 101
+"""Ours: the process of an isolated FMU has ended."""
 
 STATUS = {
-    2: "discarded the call",
-    3: "reported an error",
+    DISCARD: "discarded the call",
+    ERROR: "reported an error",
     FATAL: "reported a fatal error",
     5: "has not finished (it steps asynchronously, which is not supported)",
     TERMINATED: "asked for the end of the simulation",
 }
 
 _KEPT_MESSAGES = 20
+_KEPT_OF_EVERYTHING = 10_000
 _MESSAGES_IN_ERROR = 5
 _FOLDERS_FMI2 = {
     ("Linux", "x86_64"): ["linux64", "x86_64-linux"],
@@ -43,15 +53,21 @@ _MACHINES = {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "ARM64": 
 
 
 class Log:
-    """The last messages of an FMU's logger."""
+    """The last messages of an FMU's logger: warnings and errors, or everything."""
 
-    def __init__(self) -> None:
-        self._messages: deque[str] = deque(maxlen=_KEPT_MESSAGES)
+    def __init__(self, *, everything: bool = False) -> None:
+        self._everything = everything
+        most = _KEPT_OF_EVERYTHING if everything else _KEPT_MESSAGES
+        self._messages: deque[str] = deque(maxlen=most)
 
     def add(self, status: int, category: bytes | None, message: bytes | None) -> None:
         """Keep a message as the logger callback receives it."""
         texts = [(part or b"").decode(errors="replace").strip() for part in (category, message)]
-        if status > 0 or texts[0].lower().endswith(("error", "fatal", "warning")):
+        if (
+            self._everything
+            or status > 0
+            or texts[0].lower().endswith(("error", "fatal", "warning"))
+        ):
             self._messages.append(texts[1])
 
     def told(self) -> str:
@@ -62,17 +78,24 @@ class Log:
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Warnings and errors not yet told."""
+        """What is kept and not yet told."""
         return tuple(self._messages)
 
 
 class Session:
-    """An unpacked FMU, its library and its instance; `close` undoes all three, in any state."""
+    """An unpacked FMU, its library and its instance; `close` undoes all three, in any state.
 
-    def __init__(self, folder: Path) -> None:
+    `process` is the one that has library and instance of an isolated FMU. The folder of a `twin`
+    is another session's; it has a copy of the library in it, with global variables of its own.
+    """
+
+    def __init__(self, folder: Path, *, twin: bool = False) -> None:
         self.folder = folder
+        self.twin = twin
+        self.copy: Path | None = None
         self.library: ctypes.CDLL | None = None
-        self.instance: Instance | None = None
+        self.instance: Instance | RemoteInstance | None = None
+        self.process: Process | None = None
         self.stepping = False
         self.fatal = False
         self.states: set[int] = set()
@@ -84,8 +107,17 @@ class Session:
             if self.instance is not None and not self.fatal:
                 self.instance.free_state(pointer)
 
-    def close(self) -> None:
-        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+    def load(self, path: Path) -> ctypes.CDLL:
+        """Return the library, loaded once."""
+        if self.library is None:
+            if self.twin:
+                self.copy = path.with_name(f"{uuid4().hex}{path.suffix}")
+                shutil.copyfile(path, self.copy)
+            self.library = load_library(self.copy or path)
+        return self.library
+
+    def free_instance(self) -> None:
+        """Free the instance with its states, and end the process that it has of its own."""
         try:
             if self.instance is not None and not self.fatal:
                 for pointer in list(self.states):
@@ -95,11 +127,24 @@ class Session:
                 self.instance.free()
         finally:
             self.instance = None
+            self.stepping = False
             self.states.clear()
+            if self.process is not None:
+                self.process.close()
+            self.process = None
+
+    def close(self) -> None:
+        """Free the instance, unload the library, remove the folder. Twice does no harm."""
+        try:
+            self.free_instance()
+        finally:
             if self.library is not None and not self.fatal:
-                _unload(self.library)
+                unload(self.library)
             self.library = None
-            shutil.rmtree(self.folder, ignore_errors=True)
+            if not self.twin:
+                shutil.rmtree(self.folder, ignore_errors=True)
+            elif self.copy is not None:
+                self.copy.unlink(missing_ok=True)
 
 
 def find_library(folder: Path, description: FmuDescription) -> Path:
@@ -140,7 +185,8 @@ def _folders(version: str) -> list[str]:
     return _FOLDERS_FMI2.get((system, machine), [f"{machine}-{system.lower()}"])
 
 
-def _unload(library: ctypes.CDLL) -> None:
+def unload(library: ctypes.CDLL) -> None:
+    """Unload a library; its finalisers run."""
     import _ctypes
 
     if sys.platform == "win32":

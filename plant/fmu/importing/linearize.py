@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -11,18 +12,17 @@ from ....shaping.checks import positive, whole
 from ....shaping.pieces import FloatArray
 from ...linear_system import linear_system
 from ...sampled import zero_order_hold
+from .agreement import CONTINUOUS, answers_alike
 from .description import FmuError, candidates
 from .io_system import plain_names
 from .realization import impulse_response, realize
-from .responses import check_time_invariance, difference, unit_response
+from .responses import Origin, check_time_invariance, difference, unit_response
 from .stepping import Fmu
 
 if TYPE_CHECKING:
     import control
 
 Method = Literal["auto", "directional", "impulse"]
-
-_CONTINUOUS = ("Real", "Float64", "Float32")
 
 MAX_HORIZON = 100_000
 MAX_ORDER = 200
@@ -63,7 +63,7 @@ def linearize_fmu(
     dt : float, optional
         Communication step. Default: `fmu.dt`.
     inputs, outputs : sequence of str, optional
-        Default: all that are not integers or truth values.
+        Default: all that are not integers or truth values, recorded variables among the outputs.
     method : "auto", "directional" or "impulse", optional
     amplitude : float, optional
         Of the impulses. Default: the input's nominal value (1 if it has none), less by up to six
@@ -92,6 +92,9 @@ def linearize_fmu(
 
     Notes
     -----
+    A second instance of the FMU shows whether it answers the same while a snapshot of it is kept.
+    Where it does not, each run begins with a new instance in place of a snapshot, from the start.
+
     For 1/(J·s²) stepped every millisecond the frequency response is accurate to 1e-8 from 0.01 Hz
     up to half the sampling frequency.
 
@@ -130,9 +133,12 @@ def linearize_fmu(
     if method == "directional" or (derivatives and not back):
         return _directional(fmu, dt, columns, rows)
     fmu.check_rollback("be linearised by impulse responses")
-    measured = [unit_response(fmu, dt, j, rows, amplitude, horizon, tolerance) for j in columns]
-    for j, one in zip(columns, measured, strict=True):
-        check_time_invariance(fmu, dt, j, rows, one, tolerance)
+    with _origin(fmu, dt, horizon) as origin:
+        measured = [
+            unit_response(origin, dt, j, rows, amplitude, horizon, tolerance) for j in columns
+        ]
+        for j, one in zip(columns, measured, strict=True):
+            check_time_invariance(origin, dt, j, rows, one, tolerance)
     response = np.stack([found.values for found in measured], axis=2)
     if not response.any():
         sizes = ", ".join(f"{found.size:g}" for found in measured)
@@ -158,12 +164,34 @@ def linearize_fmu(
     return _named(fmu, dt, columns, rows, (found.A, found.B, found.C), states)
 
 
+@contextmanager
+def _origin(fmu: Fmu, dt: float, horizon: int) -> Iterator[Origin]:
+    """Yield the FMU's present point, with a way back on which it answers as it does without."""
+    if answers_alike(fmu, dt, horizon):
+        origin = Origin(fmu)
+        try:
+            yield origin
+        finally:
+            origin.back()
+        return
+    if not fmu.at_start:
+        raise FmuError(
+            f"{fmu.description.model_name} answers otherwise while a snapshot of it is kept "
+            "(noSetFMUStatePriorToCurrentPoint false) than it does without, so it can be "
+            "linearised at its start only: call linearize_fmu just after load_fmu or reset, with "
+            "start values or parameters for the point that is meant"
+        )
+    with fmu.twin() as twin:
+        yield Origin(twin, by_restart=True)
+
+
 def _gives_derivatives(fmu: Fmu, columns: list[int], rows: list[int]) -> bool:
     says = fmu.description
     if not (says.capabilities.provides_directional_derivatives and says.derivatives):
         return False
     slopes = [says.variable(unknown.name) for unknown in says.derivatives]
-    scalars = {variable.name for variable in says.variables if not variable.shape}
+    shown = says.of_causality("input", "output")
+    scalars = {variable.name for variable in shown if not variable.shape}
     names = [fmu.input_names[j] for j in columns] + [fmu.output_names[i] for i in rows]
     return all(v.derivative_of and not v.shape for v in slopes) and scalars.issuperset(names)
 
@@ -214,29 +242,23 @@ def _named(
 
 
 def _step_size(fmu: Fmu, dt: float | None) -> float:
-    if dt is None and fmu.dt is None:
-        raise FmuError(f"{fmu.description.model_name} suggests no step size: give a dt")
-    return positive("dt", fmu.dt if dt is None else dt)  # type: ignore[arg-type]
+    return positive("dt", fmu.dt if dt is None else dt)
 
 
 def _places(
     fmu: Fmu, causality: str, known: Sequence[str], chosen: Sequence[str] | None
 ) -> list[int]:
     """Return which of the inputs or outputs are chosen: by default all that are not discrete."""
-    variables = {
-        label: variable
-        for variable in fmu.description.of_causality(causality)
-        for label in variable.labels
-    }
+    variables = {label: fmu.description.variable(label) for label in known}
     names = chosen
     if names is None:
-        names = [name for name in known if variables[name].type in _CONTINUOUS]
+        names = [name for name in known if variables[name].type in CONTINUOUS]
     if not names:
         raise FmuError(f"no {causality} to linearise: expected at least one")
     for name in names:
         if name not in known:
             raise FmuError(f"no {causality} {name!r}{candidates(name, known)}")
-        if variables[name].type not in _CONTINUOUS:
+        if variables[name].type not in CONTINUOUS:
             raise FmuError(
                 f"{causality} {name!r} is of type {variables[name].type}, which has no "
                 "derivatives: leave it out"

@@ -139,8 +139,24 @@ def to_bool(text: str, place: str) -> bool:
     return value
 
 
+def to_bytes(text: str, place: str) -> bytes:
+    """Return the bytes that XML text gives in hexadecimal digits, as `to_float` does."""
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise FmuError(
+            f"{place} = {text[:40]!r}: expected hexadecimal digits; export the FMU again"
+        ) from None
+
+
 def each(root: Element, path: str) -> Iterator[Element]:
     """Yield the children of a child of the root: those of `path`, whatever their tags."""
     parent = root.find(path)
     if parent is not None:
         yield from parent
+
+
+def enumeration_items(declared: Element) -> tuple[tuple[str, int], ...]:
+    """Return name and value of each item of an enumeration's type."""
+    items = [Attributes(child, "Item of a type") for child in declared if child.tag == "Item"]
+    return tuple((item.text("name"), item.whole("value")) for item in items)

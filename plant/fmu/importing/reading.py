@@ -20,7 +20,7 @@ from .description import (
 from .parsing import MAX_XML_BYTES, Attributes, each, parse_xml, to_float
 from .reading_fmi2 import read_structure_fmi2, read_variables_fmi2
 from .reading_fmi3 import read_structure_fmi3, read_variables_fmi3
-from .unpacking import open_fmu, read_entry
+from .unpacking import entries_by_path, open_fmu, read_entry
 
 XML = "modelDescription.xml"
 
@@ -34,13 +34,19 @@ _SUFFIXES = (".so", ".dll", ".dylib")
 _BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
-def inspect_fmu(path: str | os.PathLike[str]) -> FmuDescription:
+def inspect_fmu(
+    path: str | os.PathLike[str], *, max_unpacked_bytes: int | None = None
+) -> FmuDescription:
     """Return what an FMU says of itself; no code of it is loaded, nothing is unpacked to disk.
 
     Parameters
     ----------
     path : path
-        An .fmu file of FMI 2.0 or 3.0.
+        An .fmu file of FMI 2.0 or 3.0, for co-simulation or not, or a folder with the contents
+        of one.
+    max_unpacked_bytes : int, optional
+        To how many bytes the file may unpack. Default: `unpacking.FREE_BYTES`, or `MAX_RATIO`
+        times its own size up to `MAX_BYTES` if that is more.
 
     Returns
     -------
@@ -54,12 +60,14 @@ def inspect_fmu(path: str | os.PathLike[str]) -> FmuDescription:
     FmuError
         A ValueError, for a file that is no FMU, is damaged, is of another version of FMI,
         contradicts itself, or is built to do harm (paths that leave the archive, links,
-        duplicates, zip bombs, a DOCTYPE, a modelIdentifier that is a path).
+        two entries that differ under one name, zip bombs, a DOCTYPE, a modelIdentifier that is a
+        path).
 
     Notes
     -----
-    Bounds on what is read: `unpacking.MAX_ENTRIES`, `MAX_BYTES`, `MAX_RATIO`,
-    `parsing.MAX_XML_BYTES`, `MAX_ELEMENTS`, `MAX_DEPTH`.
+    Bounds on what is read: `unpacking.MAX_ENTRIES`, `MAX_BYTES`, `MAX_RATIO`, `FREE_BYTES`,
+    `parsing.MAX_XML_BYTES`, `MAX_ELEMENTS`, `MAX_DEPTH`. A folder's `sha256` is that of the lines
+    that sha256sum prints for its files (digest, two blanks, path with "/"), sorted by path.
 
     References
     ----------
@@ -78,13 +86,13 @@ def inspect_fmu(path: str | os.PathLike[str]) -> FmuDescription:
     >>> says.capabilities.can_get_and_set_state, says.platforms
     (True, ())
     """
-    with open_fmu(Path(path)) as (archive, digest):
+    with open_fmu(Path(path), max_unpacked_bytes) as (archive, digest):
         return describe(archive, digest)
 
 
 def describe(archive: zipfile.ZipFile, sha256: str) -> FmuDescription:
     """Return the description in a checked archive."""
-    names = archive.namelist()
+    names = [name for name, entry in entries_by_path(archive).items() if not entry.is_dir()]
     if XML not in names:
         raise FmuError(
             f"no {XML} at the top of the archive: not an FMU (zip the contents of the folder, "
@@ -117,9 +125,9 @@ def describe(archive: zipfile.ZipFile, sha256: str) -> FmuDescription:
         version=head.text("version", ""),
         generation_tool=head.text("generationTool", ""),
         variables=variables,
-        units=tuple(_unit(element) for element in each(root, "UnitDefinitions")),
+        units=tuple(read_unit(element) for element in each(root, "UnitDefinitions")),
         platforms=_platforms(names, identifier),
-        has_sources=any(name.startswith("sources/") and name[-1] != "/" for name in names),
+        has_sources=any(name.startswith("sources/") for name in names),
         capabilities=_capabilities(found.get(CO_SIMULATION)),
         default_experiment=_experiment(root.find("DefaultExperiment")),
         outputs=structure["outputs"],
@@ -135,9 +143,19 @@ def _version(root: Element) -> str:
     version = root.get("fmiVersion", "")
     if not re.match(r"(2\.0|3\.\d+)(?!\d)", version):
         raise FmuError(
-            f"{XML}: fmiVersion = {version!r}; expected 2.0 or 3.0: export the FMU in one of them"
+            f"{XML}: fmiVersion = {version!r}; expected 2.0 or 3.0: export {_named(root, version)} "
+            "as one for co-simulation in FMI 2.0 or 3.0"
         )
     return version
+
+
+def _named(root: Element, version: str) -> str:
+    """Return which FMU of another version of FMI this is; in FMI 1.0 `Implementation` tells."""
+    if not version.startswith("1."):
+        return "the FMU"
+    kind = "model exchange" if root.find("Implementation") is None else "co-simulation"
+    tool = root.get("generationTool")
+    return f"this FMI 1.0 FMU for {kind} again{f', from {tool},' if tool else ''}"
 
 
 def _identifier(text: str) -> str:
@@ -153,9 +171,10 @@ def _check_variables(variables: tuple[FmuVariable, ...], *, unique_references: b
     names: set[str] = set()
     references: dict[int, str] = {}
     for variable in variables:
-        if variable.name in names:
-            raise FmuError(f"two variables {variable.name!r}: export the FMU again")
-        names.add(variable.name)
+        for name in (variable.name, *variable.aliases):
+            if name in names:
+                raise FmuError(f"two variables {name!r}: export the FMU again")
+            names.add(name)
         other = references.setdefault(variable.value_reference, variable.name)
         if unique_references and other != variable.name:
             raise FmuError(
@@ -204,7 +223,8 @@ def _experiment(element: Element | None) -> DefaultExperiment:
     )
 
 
-def _unit(element: Element) -> FmuUnit:
+def read_unit(element: Element) -> FmuUnit:
+    """Return the unit that an element Unit defines."""
     name = Attributes(element, "UnitDefinitions").text("name")
     base = element.find("BaseUnit")
     if base is None:

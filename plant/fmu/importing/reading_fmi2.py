@@ -7,7 +7,7 @@ from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 from .description import FmuError, FmuVariable, Unknown
-from .parsing import Attributes, each, to_bool, to_float, to_int
+from .parsing import Attributes, each, enumeration_items, to_bool, to_float, to_int
 
 _TYPES: dict[str, Callable[[str, str], object]] = {
     "Real": to_float,
@@ -21,7 +21,7 @@ _TYPES: dict[str, Callable[[str, str], object]] = {
 def read_variables_fmi2(root: Element) -> tuple[FmuVariable, ...]:
     """Return the variables, in the order of the file."""
     types = {
-        element.get("name", ""): typed.attrib
+        element.get("name", ""): typed
         for element in each(root, "TypeDefinitions")
         for typed in element
         if typed.tag in _TYPES
@@ -66,7 +66,7 @@ def read_structure_fmi2(
     }
 
 
-def _variable(element: Element, types: dict[str, dict[str, str]]) -> tuple[FmuVariable, str | None]:
+def _variable(element: Element, types: dict[str, Element]) -> tuple[FmuVariable, str | None]:
     """Return a variable, and the index of the one whose derivative it is."""
     head = Attributes(element, "ModelVariables")
     name = head.text("name")
@@ -74,9 +74,9 @@ def _variable(element: Element, types: dict[str, dict[str, str]]) -> tuple[FmuVa
     place = f"variable {name!r}"
     if typed is None:
         raise FmuError(f"{place} has no type: expected one of {', '.join(_TYPES)}")
-    declared = types.get(typed.get("declaredType", ""), {})
+    declared = types.get(typed.get("declaredType", ""), typed)
     own = Attributes(typed, place)
-    said = Attributes(Element(typed.tag, {**declared, **typed.attrib}), place)
+    said = Attributes(Element(typed.tag, {**declared.attrib, **typed.attrib}), place)
     start = typed.get("start")
     variable = FmuVariable(
         name,
@@ -90,7 +90,9 @@ def _variable(element: Element, types: dict[str, dict[str, str]]) -> tuple[FmuVa
         max=said.number("max"),
         nominal=said.number("nominal"),
         unit=said.text("unit", ""),
+        relative=said.flag("relativeQuantity"),
         description=head.text("description", ""),
+        items=enumeration_items(declared),
     )
     return variable, own.text("derivative", "") or None
 

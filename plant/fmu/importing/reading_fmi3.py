@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from xml.etree.ElementTree import Element
 
 from .description import FmuError, FmuVariable, Unknown
-from .parsing import Attributes, each, to_bool, to_float, to_int
+from .parsing import Attributes, each, enumeration_items, to_bool, to_bytes, to_float, to_int
 
 _INTEGERS = [f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)]
 _TYPES: dict[str, Callable[[str, str], object]] = {
@@ -16,7 +16,7 @@ _TYPES: dict[str, Callable[[str, str], object]] = {
     "Enumeration": to_int,
     "Boolean": to_bool,
     "String": lambda text, _: text,
-    "Binary": lambda text, _: text,
+    "Binary": to_bytes,
     "Clock": lambda text, _: text,
 }
 _MAX_SIZE = 1_000_000
@@ -25,7 +25,7 @@ _MAX_SIZE = 1_000_000
 def read_variables_fmi3(root: Element) -> tuple[FmuVariable, ...]:
     """Return the variables, in the order of the file."""
     types = {
-        element.get("name", ""): element.attrib
+        element.get("name", ""): element
         for element in each(root, "TypeDefinitions")
         if element.tag.endswith("Type")
     }
@@ -66,15 +66,15 @@ def read_structure_fmi3(
 
 def _variable(
     element: Element,
-    types: Mapping[str, dict[str, str]],
+    types: Mapping[str, Element],
     names: Mapping[int, str],
     sizes: Mapping[int, str],
 ) -> FmuVariable:
     name = element.get("name", "")
     place = f"variable {name!r}"
-    declared = types.get(element.get("declaredType", ""), {})
+    declared = types.get(element.get("declaredType", ""), element)
     said = Attributes(element, place)
-    typed = Attributes(Element(element.tag, {**declared, **element.attrib}), place)
+    typed = Attributes(Element(element.tag, {**declared.attrib, **element.attrib}), place)
     causality = said.text("causality", "local")
     of = element.get("derivative")
     shape = _shape(element, sizes, place)
@@ -90,9 +90,16 @@ def _variable(
         max=typed.number("max"),
         nominal=typed.number("nominal"),
         unit=typed.text("unit", ""),
+        relative=typed.flag("relativeQuantity"),
         description=said.text("description", ""),
         shape=shape,
         derivative_of="" if of is None else _by_reference(of, names, f"{place}: derivative"),
+        items=enumeration_items(declared),
+        aliases=tuple(
+            Attributes(child, f"{place}: Alias").text("name")
+            for child in element
+            if child.tag == "Alias"
+        ),
     )
 
 

@@ -1,4 +1,4 @@
-"""Impulse responses of an FMU, measured by going back in its states, if it is linear."""
+"""Impulse responses of an FMU, measured by going back to one point, if it is linear."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class UnitResponse:
 
 
 def unit_response(
-    fmu: Fmu,
+    origin: Origin,
     dt: float,
     j: int,
     rows: list[int],
@@ -38,8 +38,9 @@ def unit_response(
     tolerance: float,
 ) -> UnitResponse:
     """Return the response to a unit impulse at input j; FmuError where it is not linear."""
+    fmu = origin.fmu
     variable = _input(fmu, j)
-    largest = _room(variable, float(fmu.inputs[j]))
+    largest = _room(variable, float(origin.inputs[j]))
     if amplitude is not None:
         tries = [min(positive("amplitude", amplitude), largest)]
     else:
@@ -48,11 +49,11 @@ def unit_response(
     one[0] = 1.0
     changes: dict[float, float] = {}
     for size in tries:
-        values = _run(fmu, dt, j, size * one)[:, rows] / size
+        values = _run(origin, dt, j, size * one)[:, rows] / size
         if changes and not values.any():
             _refuse_dead_zone(fmu, j, list(changes)[-1], size)
         half = 0.5 * size
-        change = difference(_run(fmu, dt, j, half * one)[:, rows] / half, values)
+        change = difference(_run(origin, dt, j, half * one)[:, rows] / half, values)
         if change <= tolerance:
             return UnitResponse(values, size, change)
         changes[size] = change
@@ -60,12 +61,13 @@ def unit_response(
     raise FmuError(
         f"the response of {fmu.description.model_name} to {fmu.input_names[j]!r} is not linear: "
         f"half an impulse of {size:g} changes it by {changes[size]:.2g} of its peak, tolerance = "
-        f"{tolerance:g}; give another amplitude, a shorter horizon or a larger tolerance"
+        f"{tolerance:g}; give another amplitude, a shorter horizon or a larger tolerance; or, if "
+        "it has a solver inside that is too coarse, load_fmu(…, tolerance=1e-9)"
     )
 
 
 def check_time_invariance(
-    fmu: Fmu, dt: float, j: int, rows: list[int], response: UnitResponse, tolerance: float
+    origin: Origin, dt: float, j: int, rows: list[int], response: UnitResponse, tolerance: float
 ) -> None:
     """Refuse an FMU whose response to a sequence of impulses is not the sum of their responses.
 
@@ -74,11 +76,12 @@ def check_time_invariance(
     Errors are relative to Σ_i |h_{k−i}·w_i|, and may exceed `tolerance` by what the smaller
     impulses make of the response's own `change`.
     """
+    fmu = origin.fmu
     count = min(len(response.values), _SEQUENCE)
     signs = np.random.default_rng(0).choice([-1.0, 1.0], count)
     signs[0] = 1.0
     weights = signs * response.size / np.sqrt(count)
-    found = _run(fmu, dt, j, weights)[:, rows]
+    found = _run(origin, dt, j, weights)[:, rows]
     for channel, h in zip(found.T, response.values[:count].T, strict=True):
         with np.errstate(over="ignore", invalid="ignore"):
             expected = np.convolve(weights, h)[:count]
@@ -92,7 +95,8 @@ def check_time_invariance(
                 f"every step of dt = {dt!r} (off by {told}): it samples at another rate "
                 "inside, changes with time, or small impulses act otherwise than large ones; give "
                 "as dt the FMU's own sampling time or a whole multiple of it, or step the FMU to a "
-                "point of rest first"
+                "point of rest first; or, if it has a solver inside that is too coarse, "
+                "load_fmu(…, tolerance=1e-9)"
             )
 
 
@@ -106,21 +110,37 @@ def difference(found: FloatArray, expected: FloatArray) -> float:
     return float(np.nan_to_num(ratio, nan=np.inf).max(initial=0.0))
 
 
-def _run(fmu: Fmu, dt: float, j: int, weights: FloatArray) -> FloatArray:
+class Origin:
+    """The point about which an FMU is linearised, and the way back to it.
+
+    By a snapshot; or, `by_restart`, by a new instance each time, with no snapshot alive, which
+    leads to the FMU's start.
+    """
+
+    def __init__(self, fmu: Fmu, *, by_restart: bool = False) -> None:
+        self.fmu = fmu
+        self.inputs = fmu.inputs
+        self._state = None if by_restart else fmu.get_state()
+
+    def back(self) -> None:
+        """Go there."""
+        if self._state is None:
+            self.fmu.restart()
+        else:
+            self.fmu.set_state(self._state)
+
+
+def _run(origin: Origin, dt: float, j: int, weights: FloatArray) -> FloatArray:
     """Return half the difference of the outputs with input j raised and lowered by weights."""
-    state, held = fmu.get_state(), fmu.inputs
-    runs = []
-    try:
-        for sign in (1.0, -1.0):
-            fmu.set_state(state)
-            outputs = np.empty((len(weights), len(fmu.output_names)))
-            inputs = held.copy()
-            for k, weight in enumerate((sign * weights).tolist()):
-                inputs[j] = held[j] + weight
-                outputs[k] = fmu.step(inputs, dt)
-            runs.append(outputs)
-    finally:
-        fmu.set_state(state)
+    fmu, held, runs = origin.fmu, origin.inputs, []
+    for sign in (1.0, -1.0):
+        origin.back()
+        outputs = np.empty((len(weights), len(fmu.output_names)))
+        inputs = held.copy()
+        for k, weight in enumerate((sign * weights).tolist()):
+            inputs[j] = held[j] + weight
+            outputs[k] = fmu.step(inputs, dt)
+        runs.append(outputs)
     with np.errstate(over="ignore", invalid="ignore"):
         found: FloatArray = 0.5 * (runs[0] - runs[1])
     if not np.isfinite(found).all():

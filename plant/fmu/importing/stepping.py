@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -13,16 +15,31 @@ from numpy.typing import ArrayLike
 from ....shaping.checks import positive
 from ....shaping.pieces import FloatArray
 from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuVariable
+from .description import FmuDescription, FmuError, FmuTerminated, FmuVariable
 from .instance import Instance
-from .library import FATAL, STATUS, WARNING, Log, Session
-from .ports import Port
+from .library import DISCARD, FATAL, GONE, STATUS, TERMINATED, WARNING, Log, Session
+from .ports import Port, shown
+from .settings import recorded_signals, start_settings
+from .values import flat_values, one_value, own_shape, read, start_values, write
 
 if TYPE_CHECKING:
     import control
 
+    from .isolation import RemoteInstance
+
 _STEP_TOLERANCE = 1e-9
+_REACHED = 1e-6  # of a step: what may be missing of one that was finished
 _DOUBLE = np.dtype(float)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What an FMU is told of the run, None for nothing, and its communication step."""
+
+    dt: float
+    start_time: float = 0.0
+    stop_time: float | None = None
+    tolerance: float | None = None
 
 
 class FmuState:
@@ -56,45 +73,67 @@ class Fmu:
     description : FmuDescription
     input_names, output_names : tuple of str
         What `step` takes and returns, in this order: the inputs and outputs that are numbers,
-        arrays spread out as name[1], name[2], …
-    dt : float or None
+        arrays spread out as name[1], name[2], …; and behind the outputs `recorded_names`.
+    recorded_names : tuple of str
+        What `load_fmu` was asked to record and is no input or output.
+    dt : float
         Communication step where `step` is given none.
+    units : dict of str to str
+        Unit of each of these, empty where the FMU names none.
     """
 
     def __init__(
         self,
         session: Session,
-        instance: Instance,
+        instantiate: Callable[[Session, Log], Instance | RemoteInstance],
         description: FmuDescription,
         log: Log,
-        dt: float | None,
-        start_time: float,
+        experiment: Experiment,
+        record: Sequence[str] = (),
     ) -> None:
         self.description = description
-        self.dt = dt
+        self.dt = experiment.dt
         self._session = session
-        self._instance = instance
+        self._instantiate = instantiate
         self._log = log
         self._dtypes = binding_of(description).DTYPES
         numeric = [v for v in description.variables if v.type in self._dtypes]
         inputs = [v for v in numeric if v.causality == "input"]
-        outputs = [v for v in numeric if v.causality == "output"]
-        self._inputs = Port(inputs, self._dtypes, instance.setter, writes=True)
-        self._outputs = Port(outputs, self._dtypes, instance.getter, writes=False)
+        entered = description.of_causality("input")
+        self._other_inputs = [v for v in entered if v.type not in self._dtypes]
+        taken = [signal for v in inputs for signal in v.signals]
+        given = [signal for v in numeric if v.causality == "output" for signal in v.signals]
+        known = {signal.label for signal in [*taken, *given]}
+        beside = recorded_signals(description, record, self._dtypes, known)
+        self._ports = taken, [*given, *beside]
+        self._attach()
         self.input_names, self.output_names = self._inputs.labels, self._outputs.labels
-        self._start_inputs = np.concatenate([_start_values(v) for v in inputs] or [np.zeros(0)])
+        self.recorded_names = tuple(signal.label for signal in beside)
+        self.units = {label: v.unit for label, v, _ in [*taken, *given, *beside]}
+        starts = [value for variable in inputs for value in start_values(variable)]
+        self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
-        self._start_time = self._time = start_time
-        self._clock = (start_time, 0, 0.0)
-        self._bind()
+        self._refusal: FmuError | None = None
+        self._doubt = ""
+        self._at_start = False
+        self._experiment = experiment
+        self._time = experiment.start_time
+        self._clock = (self._time, 0, 0.0)
         self._finalizer = weakref.finalize(self, session.close)
 
-    def _bind(self) -> None:
-        """Keep at hand what every step needs."""
+    def _attach(self) -> None:
+        """Make a new instance, and keep at hand what every step needs."""
+        self._instance = instance = self._instantiate(self._session, self._log)
+        inputs, outputs = self._ports
+        self._inputs = Port(inputs, self._dtypes, instance.input_setter, writes=True)
+        self._outputs = Port(outputs, self._dtypes, instance.output_getter, writes=False)
         self._values, self._shape = self._inputs.values, self._inputs.shape
         self._found = self._outputs.values
+        exact = self._found.dtype == object
+        self._show = partial(shown, self._found) if exact else self._found.copy
         self._put, self._fetch = self._inputs.move, self._outputs.move
         self._do_step = self._instance.do_step
+        self._states = self._session.states
 
     def __enter__(self) -> Self:
         return self
@@ -128,25 +167,28 @@ class Fmu:
     @property
     def outputs(self) -> FloatArray:
         """Outputs at the present communication point, (number of outputs,)."""
-        self._check_open()
+        self._check_ready(reading=True)
         self._check(self._fetch(), "show its outputs")
-        return self._found.copy()
+        return shown(self._found)
 
     @property
     def inputs(self) -> FloatArray:
         """Inputs as they were last given, (number of inputs,)."""
-        return self._values.copy()
+        return shown(self._values)
 
     @property
     def parameters(self) -> dict[str, object]:
         """Present values of all the parameters, by name."""
         chosen = self.description.of_causality("parameter", "structuralParameter")
-        known = (*self._dtypes, "String")
+        known = (*self._dtypes, "String", "Binary")
         return {v.name: self.get(v.name) for v in chosen if v.type in known}
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Last warnings and errors that the FMU logged and no exception has told."""
+        """Last warnings and errors that the FMU logged and no exception has told.
+
+        With log=True of `load_fmu` the last 10 000 messages of any kind.
+        """
         return self._log.messages
 
     def step(
@@ -157,7 +199,8 @@ class Fmu:
         Parameters
         ----------
         inputs : (number of inputs,) array or mapping of str to float, optional
-            In the order of `input_names`, or by name; held over the step. What is not given
+            In the order of `input_names`, or by name, an array in its own shape or by element;
+            an enumeration as a number or an item's name. Held over the step; what is not given
             stays as it was.
         dt : float, optional
             Length of this step, if not `Fmu.dt`.
@@ -165,17 +208,22 @@ class Fmu:
         Returns
         -------
         (number of outputs,) array
-            In the order of `output_names`; a new one each time.
+            In the order of `output_names`; a new one each time. Of doubles, but where one of them
+            does not hold an integer of 64 bits, of objects: floats, and exact ints.
 
         Raises
         ------
         FmuError
             For unknown names or another number of values, a step of another length than the FMU
             can take, or an error that the FMU reports, with what it logged. The inputs are
-            then as they were before.
+            then as they were before. After an error of the FMU itself it is to be reset.
+        FmuTerminated
+            An FmuError: where the FMU ends the simulation, in this step or before.
         TypeError
             For an input that is no number.
         """
+        if self._refusal is not None:
+            self._check_ready()
         length = self._length(dt)
         before = self._values.copy()
         try:
@@ -184,30 +232,47 @@ class Fmu:
             base, count, last = self._clock
             if length != last:
                 base, count = self._time, 0
-            status = self._do_step(self._time, length)
-            if status > WARNING:
-                self._fail(status, f"step from time {self._time!r} by {length!r}")
-        except BaseException:
+            status, reached = self._do_step(self._time, length, not self._states)
+            if status > WARNING and status != TERMINATED:
+                if not self._instance.took_inputs:
+                    self._refused_inputs(status)
+                self._fail(status, f"step from time {self._time!r} by {length!r}", stopped=True)
+        except BaseException as error:
             self._values[:] = before
-            if inputs is not None and self._finalizer.alive:
+            if not isinstance(error, Exception):
+                self._stop(f"after a step that was interrupted at time {self._time:g}")
+            elif inputs is not None and self._refusal is None:
                 self._put()
             raise
+        self._at_start = False
+        if status == TERMINATED:
+            self._end(reached, self._time + length, length)
         count += 1
         self._clock = (base, count, length)
         self._time = base + count * length
         status = self._fetch()
         if status > WARNING:
-            self._fail(status, "show its outputs")
-        return self._found.copy()
+            self._fail(status, "show its outputs", stopped=True)
+        return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
         if type(inputs) is np.ndarray and inputs.dtype is _DOUBLE and inputs.shape == self._shape:
             self._values[:] = inputs
         else:
+            named = set(inputs) if isinstance(inputs, Mapping) else ()
+            for variable in self._other_inputs:
+                if variable.name in named:
+                    raise FmuError(
+                        f"input {variable.name!r} is of type {variable.type}, and `step` takes "
+                        "numbers: give it to `set`, before the step"
+                    )
             self._inputs.take(inputs)
         status = self._put()
         if status > WARNING:
-            self._fail(status, f"take the inputs {self._values.tolist()}")
+            self._refused_inputs(status)
+
+    def _refused_inputs(self, status: int) -> NoReturn:
+        self._fail(status, f"take the inputs {self._values.tolist()}", stopped=False)
 
     def reset(self, parameters: Mapping[str, Any] | None = None) -> None:
         """Go back to the start time, with the start values and the parameters of `load_fmu`.
@@ -216,12 +281,55 @@ class Fmu:
         """
         self._check_open()
         self._session.stepping = False
-        self._check(self._instance.reset(), "be reset")
+        ended = self._terminated and not self._states
+        self._stop("before it is initialised again")
+        if ended:  # some FMUs forget to reset that they have ended
+            self._renew()
+        else:
+            self._check(self._instance.reset(), "be reset")
         self.initialize(self._given if parameters is None else parameters)
 
-    def get_state(self) -> FmuState:
-        """Return a snapshot of all that the FMU is, to go back to with `set_state`."""
+    def restart(self) -> None:
+        """Go back to the start by a new instance, as some FMUs reset themselves in part only."""
         self._check_open()
+        self._renew()
+        self.initialize(self._given)
+
+    def twin(self) -> Fmu:
+        """Return another instance of the FMU, at its start, in memory of its own."""
+        self._check_open()
+        session = Session(self._session.folder, twin=True)
+        try:
+            made = Fmu(
+                session,
+                self._instantiate,
+                self.description,
+                Log(),
+                self._experiment,
+                self.recorded_names,
+            )
+            made.initialize(self._given)
+        except BaseException:
+            session.close()
+            raise
+        return made
+
+    @property
+    def at_start(self) -> bool:
+        """Whether nothing has been done to it since its initialisation."""
+        return self._at_start
+
+    def _renew(self) -> None:
+        self._session.free_instance()
+        self._attach()
+
+    def get_state(self) -> FmuState:
+        """Return a snapshot of all that the FMU is, to go back to with `set_state`.
+
+        As long as it is alive, the FMU is told in each step that it may have to go back; without
+        any, that it will not, so that it may keep less and give out results once and for all.
+        """
+        self._check_ready()
         self.check_rollback("take snapshots")
         status, pointer = self._instance.get_state()
         self._check(status, "give its state")
@@ -238,6 +346,8 @@ class Fmu:
         base, count, length = self._clock = state._clock
         self._time = base + count * length
         self._values[:] = state._inputs
+        self._refusal, self._doubt, self._at_start = None, "", False
+        self._session.stepping = True
 
     def check_rollback(self, purpose: str) -> None:
         """Refuse `purpose` where the FMU cannot get and set its state."""
@@ -249,35 +359,45 @@ class Fmu:
             )
 
     def get(self, name: str) -> object:
-        """Return the present value of any variable, by name."""
-        self._check_open()
-        variable = self.description.variable(name)
-        if variable.type == "String" and not variable.shape:
-            status, text = self._instance.get_text(variable.value_reference)
-            self._check(status, f"show {name!r}")
-            return text
-        port = self._port(variable, self._instance.getter, writes=False)
-        self._check(port.move(), f"show {name!r}")
-        values = port.values.tolist()
-        return port.values if variable.shape else _as_declared(variable, values[0])
+        """Return the present value of any variable, by its name, an alias, or that of an element.
+
+        Of the variable's own type and shape: an array of its shape, or one of its values by
+        "A[1,2]", counted from 1; bytes for a binary; an int for an enumeration, whose
+        `FmuVariable.items` name it.
+        """
+        self._check_ready(reading=True)
+        variable, place = self.description.element(name)
+        values = self._read(variable)
+        if place is None:
+            return own_shape(variable, values, self._dtypes)
+        return own_shape(replace(variable, shape=()), [values[place]], self._dtypes)
 
     def set(self, name: str, value: object) -> None:
-        """Set a tunable parameter, by name, from the next step on.
+        """Set a tunable parameter, or an input that is no number, from the next step on.
 
-        Fixed parameters are given to `load_fmu` or `reset`.
+        By name, as `get` knows it: an array in its own shape, or one of its elements; an
+        enumeration as a number or an item's name. Fixed parameters are given to `load_fmu` or
+        `reset`, inputs that are numbers to `step`.
         """
-        self._check_open()
-        variable = self.description.variable(name)
-        if variable.causality == "input":
+        self._check_ready()
+        variable, place = self.description.element(name)
+        entered = variable.causality == "input"
+        if entered and variable.type in self._dtypes:
             raise FmuError(f"{name!r} is an input: give it to `step`")
-        if variable.variability != "tunable":
+        if not entered and variable.variability != "tunable":
             tunable = [v.name for v in self.description.variables if v.variability == "tunable"]
             raise FmuError(
                 f"{name!r} is not a tunable parameter ({variable.causality}, "
                 f"{variable.variability}): give it to load_fmu or reset"
                 + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
             )
-        self._set(variable, value)
+        self._at_start = False
+        if place is None:
+            values = flat_values(variable, value)
+        else:
+            values = self._read(variable)
+            values[place] = one_value(variable, value)
+        self._write(variable, values)
 
     def system(self, dt: float | None = None, *, snapshots: int = 64) -> control.NonlinearIOSystem:
         """Return a discrete python-control system; see `io_system`."""
@@ -287,13 +407,13 @@ class Fmu:
 
     def close(self) -> None:
         """Free the instance, unload its library, remove the temporary folder."""
-        self._finalizer()
-        self._put = self._fetch = self._closed
-        self._do_step = self._closed
+        if self._finalizer.alive:
+            self._finalizer()
+            self._refusal = FmuError(f"{self.description.model_name} is closed: load it again")
 
     def directional(self, unknowns: list[FmuVariable], knowns: list[FmuVariable]) -> FloatArray:
         """Return ∂unknown/∂known at the present point, (number of unknowns, of knowns)."""
-        self._check_open()
+        self._check_ready()
         columns = []
         for i in range(len(knowns)):
             seed = np.zeros(len(knowns))
@@ -309,46 +429,41 @@ class Fmu:
         """Go through the initialisation; `load_fmu` and `reset` do."""
         self._given = dict(parameters)
         self._values[:] = self._start_inputs
-        for name, value in self._given.items():
-            variable = self.description.variable(name)
-            _check_settable(variable)
-            self._set(variable, value)
-            if name in self.input_names:
-                self._values[self._inputs.position(name)] = _number(name, value)
-        start = self._start_time
-        # no stop time: an FMU may refuse to step beyond the one it is given
-        self._check(self._instance.enter_initialization(start, None), "be initialised")
-        self._check(self._instance.exit_initialization(), "be initialised")
+        for variable, values in start_settings(self.description, self._given):
+            self._write(variable, values)
+            if variable.causality == "input" and variable.type in self._dtypes:
+                self._values[self._inputs.places(variable.name)] = values
+        asked = self._experiment
+        start = asked.start_time
+        status = self._instance.enter_initialization(start, asked.stop_time, asked.tolerance)
+        what = f"be initialised{self.description.tool_hint}"
+        self._check(status, what)
+        self._check(self._instance.exit_initialization(), what)
         self._session.stepping = True
+        self._refusal, self._doubt, self._at_start = None, "", True
         self._time, self._clock = start, (start, 0, 0.0)
 
-    def _set(self, variable: FmuVariable, value: Any) -> None:
-        if variable.type == "String" and not variable.shape:
-            if not isinstance(value, str):
-                raise TypeError(f"{variable.name} = {value!r}: expected a string")
-            self._check(
-                self._instance.set_text(variable.value_reference, value),
-                f"take {variable.name} = {value!r}",
-            )
-            return
-        port = self._port(variable, self._instance.setter, writes=True)
-        if variable.shape:
-            port.take(np.ravel(value))
-        else:
-            port.values[0] = _number(variable.name, value)
-        self._check(port.move(), f"take {variable.name} = {value!r}")
+    def _read(self, variable: FmuVariable) -> list[Any]:
+        self._check_type(variable)
+        status, values = read(self._instance, variable, self._dtypes)
+        self._check(status, f"show {variable.name!r}")
+        return values
 
-    def _port(self, variable: FmuVariable, mover: Any, *, writes: bool) -> Port:
-        if variable.type not in self._dtypes:
-            raise FmuError(f"{variable.name!r} is of type {variable.type}: expected a number")
-        return Port([variable], self._dtypes, mover, writes=writes)
+    def _write(self, variable: FmuVariable, values: list[Any]) -> None:
+        self._check_type(variable)
+        told = values if variable.shape else values[0]
+        status = write(self._instance, variable, values, self._dtypes)
+        self._check(status, f"take {variable.name} = {told!r}")
+
+    def _check_type(self, variable: FmuVariable) -> None:
+        if variable.type not in (*self._dtypes, "String", "Binary"):
+            raise FmuError(
+                f"{variable.name!r} is of type {variable.type}, which has no value to be read or "
+                "set here: leave it out"
+            )
 
     def _length(self, dt: float | None) -> float:
         if dt is None:
-            if self.dt is None:
-                raise FmuError(
-                    f"{self.description.model_name} suggests no step size: give load_fmu a dt"
-                )
             return self.dt
         length = positive("dt", dt)
         last = self._clock[2] or length
@@ -362,64 +477,71 @@ class Fmu:
 
     def _check_open(self) -> None:
         if not self._finalizer.alive:
-            self._closed()
+            self._check_ready()
 
-    def _closed(self, *_: object) -> NoReturn:
-        raise FmuError(f"{self.description.model_name} is closed: load it again")
+    def _check_ready(self, *, reading: bool = False) -> None:
+        """Refuse calls that FMI does not allow now; after the end an FMU may still be read."""
+        if self._refusal is not None and not (reading and self._terminated):
+            raise self._refusal.with_traceback(None)
+
+    @property
+    def _terminated(self) -> bool:
+        return self._finalizer.alive and isinstance(self._refusal, FmuTerminated)
 
     def _check(self, status: int, what: str) -> None:
         if status > WARNING:
-            self._fail(status, what)
+            self._fail(status, what, stopped=status != DISCARD)
 
-    def _fail(self, status: int, what: str) -> NoReturn:
-        """Raise what the FMU reported; after a fatal error it must not be called any more."""
-        if status == FATAL:
-            self._session.fatal = True
-            self.close()
-        self._session.stepping = False
-        raise FmuError(
-            f"{self.description.model_name} could not {what}: it "
-            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}"
+    def _fail(self, status: int, what: str, *, stopped: bool) -> NoReturn:
+        """Raise what the FMU reported, and refuse what FMI does not allow after it."""
+        name = self.description.model_name
+        if status == GONE:
+            said = self._log.told() if self._log.messages else ""
+            raise self._lost(f"{name} {self._instance.ending} when it was to {what}{said}")
+        message = (
+            f"{name} could not {what}: it "
+            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}{self._doubt}"
         )
+        self._doubt = f"; this came after an error at time {self._time:g}: call reset() first"
+        if status == FATAL:
+            raise self._lost(message)
+        if stopped:
+            self._session.stepping = False
+            self._stop(f"after the error at time {self._time:g}")
+        raise FmuError(message)
+
+    def _lost(self, message: str) -> FmuError:
+        """Close an FMU that must not be called any more, and return the error that says so."""
+        self._session.fatal = True
+        self.close()
+        self._refusal = FmuError(
+            f"{self.description.model_name} is closed ({message}): load it again"
+        )
+        return FmuError(f"{message}: load it again")
+
+    def _stop(self, since: str) -> None:
+        back = self.description.capabilities.can_get_and_set_state
+        self._refusal = FmuError(
+            f"{self.description.model_name} takes no calls {since}: call reset() first"
+            + (", or set_state with an earlier snapshot" if back else "")
+        )
+
+    def _end(self, reached: float, until: float, length: float) -> NoReturn:
+        """Keep what an FMU shows that has ended the simulation, and raise FmuTerminated."""
+        whole = abs(until - reached) <= _REACHED * length
+        self._time = until if whole else reached
+        self._clock = (self._time, 0, length)
+        error = FmuTerminated(
+            f"{self.description.model_name} asked for the end of the simulation: at time "
+            f"{self._time!r}{self._log.told() if self._log.messages else ''}; call reset() to "
+            "begin again"
+        )
+        error.time, error.reached = self._time, whole
+        self._refusal = error
+        error.outputs = self.outputs
+        raise error
 
 
 def binding_of(description: FmuDescription) -> Any:
     """Return the module that speaks the FMU's version of FMI."""
     return binding_fmi2 if description.fmi_version.startswith("2") else binding_fmi3
-
-
-def _check_settable(variable: FmuVariable) -> None:
-    if variable.causality == "structuralParameter":
-        raise FmuError(
-            f"{variable.name!r} is a structural parameter, the size of an array: sizes cannot be "
-            "changed here; export the FMU with the size that is needed"
-        )
-    settable = (
-        variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
-    ) and variable.variability != "constant"
-    if not settable:
-        raise FmuError(
-            f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
-            "expected a parameter, a start value or an input"
-        )
-
-
-def _number(name: str, value: Any) -> float:
-    """Return a number, which may be infinite, as limits are."""
-    if isinstance(value, str) or not np.isscalar(value):
-        raise TypeError(f"{name} = {value!r}: expected a number")
-    number = float(value)  # type: ignore[arg-type]
-    if np.isnan(number):
-        raise FmuError(f"{name} = {value!r}: expected a number")
-    return number
-
-
-def _start_values(variable: FmuVariable) -> FloatArray:
-    start: Any = 0.0 if variable.start is None else variable.start
-    return np.broadcast_to(np.asarray(start, dtype=float), (variable.size,))
-
-
-def _as_declared(variable: FmuVariable, value: float) -> object:
-    if variable.type == "Boolean":
-        return bool(value)
-    return value if variable.type in ("Real", "Float32", "Float64") else int(value)

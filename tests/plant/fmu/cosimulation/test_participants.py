@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from handmade_fmus import Model, fmu
 
 from jounce.plant import FlexibleInertia, Inertia
 from jounce.plant.fmu.cosimulation.cosimulate import cosimulate
@@ -47,3 +48,16 @@ def test_a_missing_folder_is_told_by_the_path_given(tmp_path):
     with pytest.raises(FileNotFoundError) as caught:
         run.to_csv(path)
     assert caught.value.filename == str(path)
+
+
+def test_an_fmu_without_outputs_takes_part(tmp_path):
+    """What only takes values, such as a display, is stepped all the same."""
+    sink = Model("sink", outputs=(), states=1, step="x[0] += u[0];",
+                 outputs_code="", derivatives_code="dxdot[0] = 0;")  # fmt: skip
+    with load_fmu(fmu(tmp_path, sink)) as loaded:
+        links = [(2.0, "p.u"), ("p.y_rate", "sink.u")]
+        run = cosimulate({"p": Inertia(1.0), "sink": loaded}, links, dt=DT, duration=4 * DT)
+        assert run.outputs == ("p.y", "p.y_rate")
+        assert loaded.get("x0") == pytest.approx(run["p.y_rate"][1:].sum(), rel=1e-15)
+        with pytest.raises(FmuError, match=r"sink: no outputs that are numbers: .*record="):
+            cosimulate({"sink": loaded}, [], dt=DT, duration=DT)

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 import scipy.integrate
 from fmus import SLOW, fmu_of, folder, needs_compiler
+from handmade_ssps import binding, bindings, component, connection, linear, ssp, system
 
 from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid
+from jounce.plant.fmu import load_ssp
 from jounce.plant.fmu.exporting import compile
 from jounce.plant.fmu.exporting.ssp import export_ssp
 from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
@@ -192,3 +194,23 @@ def filtered_commands():
         lags = done.y[:, -1]
         rows.append(weights @ lags)
     return np.transpose(rows)
+
+
+def test_an_ssp_by_hand_runs_as_in_libcosim(tmp_path):
+    """Transformations and a parameter set are taken as another host takes them."""
+    ends = (("u", "input"), ("y", "output"))
+    sets = bindings(binding({"J": ("Real", 3.0)}))
+    top = system(
+        [component("a", ends, sets), component("b", ends)],
+        [
+            connection("a.y", "b.u", linear(2.0, 0.5)),
+            connection("b.y", "a.u", linear(-0.25, 1.0)),
+        ],
+    )
+    parts = [(f"resources/{name}.fmu", fmu_of(plant, "2.0").read_bytes()) for name in "ab"]
+    path = ssp(tmp_path, top, {}, extra=parts)
+    record = ["a.y", "b.y"]
+    found = hosted("libcosimpy", tmp_path, record, ssp=str(path))
+    with load_ssp(path) as whole:
+        run = whole.run(STEPS * DT, dt=DT, order="jacobi")
+    close(found, [run[name][1:] for name in record])

@@ -60,8 +60,8 @@ def test_build_description_tells_the_option_for_it():
 def test_files_that_are_not_needed_are_left_out():
     files = sources_of(block_of(BLOCKS["inertia"]()), "3.0", "{token}")
     assert "inertia.c" in files
-    assert not {"follower.c", "ticks.c", "fmi2.c", "fmi2Functions.h"} & set(files)
-    assert {"follower.c", "ticks.c", "lags.c"} <= set(
+    assert not {"following.c", "ticks.c", "fmi2.c", "fmi2Functions.h"} & set(files)
+    assert {"following.c", "follower.c", "transfer.c", "ticks.c", "lags.c", "jounce.h"} <= set(
         sources_of(block_of(BLOCKS["filtered_follower"]()), "2.0", "{token}")
     )
 

@@ -13,7 +13,7 @@ from fmpy.ssp.ssd import read_ssd
 from fmus import needs_compiler
 
 from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, ServoLoop
-from jounce.plant.fmu import CompilerError, SampledController
+from jounce.plant.fmu import CompilerError, SampledController, load_ssp
 from jounce.plant.fmu.cosimulation.cosimulate import cosimulate
 from jounce.plant.fmu.exporting import compile
 from jounce.plant.fmu.exporting.dispatch import block_of
@@ -190,6 +190,28 @@ def test_in_the_order_of_the_file_it_is_the_sampled_loop(export, tmp_path, monke
     # the filter takes the move's acceleration as constant within each step
     allowed = 1e-12 if behind is None else dt**2 * MOVE.peak(2)
     assert np.abs(found["controller.r"] - exact.command)[ahead].max() <= allowed
+
+
+@needs_compiler
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_what_left_comes_back_as_the_sampled_loop(export, monkeypatch, version):
+    """Parameters and gains written into the file, and what they do, are those of the loop."""
+    monkeypatch.setattr(compile, "_FLAGS", [f.replace("-O2", "-O0") for f in compile._FLAGS])
+    path = export(platforms=["host"], fmi_version=version)
+    with load_ssp(path) as system:
+        assert (system.name, system.dt, system.notes) == ("servo_loop", DT, ())
+        found = system.run()
+        assert system.blocks["plant"].parameters["J"] == 2.0
+    assert found.time[-1] >= MOVE.end_time > found.time[-2]
+    assert dict(found.loops) == {"controller -> plant -> controller": 0}
+    fed = [found[f"controller.{name}"] for name in ("r", "r_rate", "r_acceleration")]
+    inputs = np.array([fed[0] - 3.0, *fed[1:]])
+    closed = sampled_loop(late=False)
+    expected = 3.0 + control.forced_response(closed, found.time, inputs).outputs[0]
+    assert np.abs(found["plant.y"] - expected).max() <= 1e-9
+    np.testing.assert_array_equal(found["plant.y"][:1], 3.0)
+    shaped = [MOVE(found.time[:-1], k) for k in range(3)]
+    np.testing.assert_allclose(np.array(fed)[:, :-1], shaped, rtol=0, atol=1e-12)
 
 
 def test_blocks_of_ones_own_are_connected_by_name(tmp_path):

@@ -113,8 +113,6 @@ def test_what_is_refused(tmp_path):
     with plant, pytest.raises(FmuError, match=r"cannot be evaluated repeatedly.*`cosimulate`"):
         plant.system()
     with load_fmu(fmu(tmp_path, replace(INERTIA, step_size=None))) as plant:
-        with pytest.raises(FmuError, match="give io_system a dt"):
-            plant.system()
         with pytest.raises(ValueError, match="snapshots = 1"):
             plant.system(1.0, snapshots=1)
         system = plant.system(1.0)

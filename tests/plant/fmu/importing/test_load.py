@@ -96,14 +96,26 @@ def test_a_library_without_a_function(tmp_path, version):
 @pytest.mark.parametrize("kind", ["ModelExchange", "ScheduledExecution"])
 def test_other_kinds_than_co_simulation(tmp_path, kind):
     model = replace(INERTIA, xml=(("<CoSimulation", f"<{kind}"),))
-    with pytest.raises(FmuError, match="only: export it for co-simulation"):
-        load_fmu(fmu(tmp_path, model, "3.0"))
+    path = fmu(tmp_path, model, "3.0")
+    word = {"ModelExchange": "model-exchange", "ScheduledExecution": "scheduled-execution"}[kind]
+    match = f"plant is for {word} only: export it for co-simulation from by hand, with its solver"
+    with pytest.raises(FmuError, match=match):
+        load_fmu(path)
+    says = inspect_fmu(path)
+    assert (says.kinds, len(says.variables)) == ((word,), 8)
 
 
-def test_one_that_needs_its_tool(tmp_path):
-    model = replace(INERTIA, xml=(("<CoSimulation", '<CoSimulation needsExecutionTool="true"'),))
-    with pytest.raises(FmuError, match=r"needs the tool that made it \(by hand\)"):
-        load_fmu(fmu(tmp_path, model))
+@VERSIONS
+def test_one_that_says_that_it_needs_its_tool_is_tried(tmp_path, version):
+    flag = ("<CoSimulation", '<CoSimulation needsExecutionTool="true"')
+    path = fmu(tmp_path, replace(INERTIA, xml=(flag,)), version)
+    with load_fmu(path) as plant:
+        assert plant.step([1.0])[1] == 0.0005
+    told = r" \(it declares needsExecutionTool: it may need the tool that made it, by hand, on "
+    with pytest.raises(FmuError, match=f"could not be initialised{told}.*: parameter too small"):
+        load_fmu(path, parameters={"J": -1e7})
+    with pytest.raises(FmuError, match=f"instantiated: wrong .*{told}"):
+        load_fmu(fmu(tmp_path, replace(INERTIA, xml=(flag, ("{handmade}", "{other}"))), version))
 
 
 def test_a_file_changed_on_the_way_is_not_run(tmp_path):

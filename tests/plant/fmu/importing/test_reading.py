@@ -160,6 +160,7 @@ def test_descriptions_that_are_refused(tmp_path, version, change, match):
             read(xml_only(tmp_path, changed(version, change)))
 
 
+OUTPUT = '<Float64 name="y" valueReference="100" causality="output" variability="continuous"'
 REFUSED_STRUCTURES = [
         (('<Unknown index="2"/>', '<Unknown index="0"/>'), "2.0", "there are 8 variables"),
         (('<Unknown index="2"/>', '<Unknown index="9"/>'), "2.0", "there are 8 variables"),
@@ -173,6 +174,14 @@ REFUSED_STRUCTURES = [
          "expected 0 to"),
         (('start="2.0"/>', 'start="2.0"><Dimension valueReference="77"/></Float64>'), "3.0",
          "expected a whole number"),
+        ((f"{OUTPUT}/>", f"{OUTPUT}><Alias/></Float64>"), "3.0", "Alias: no name"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}><Alias name="J"/></Float64>'), "3.0", "two variables 'J'"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}><Alias name="y"/></Float64>'), "3.0", "two variables 'y'"),
+        ((f"{OUTPUT}/>", f'{OUTPUT}/><Binary name="b" valueReference="7"><Start value="0g"/>'
+          "</Binary>"), "3.0", "expected hexadecimal digits"),
+        (("<ModelVariables>", '<TypeDefinitions><EnumerationType name="E"><Item name="a"/>'
+          '</EnumerationType></TypeDefinitions><ModelVariables><Enumeration name="e" '
+          'declaredType="E" valueReference="8"/>'), "3.0", "Item of a type: no value"),
     ]  # fmt: skip
 
 
@@ -216,10 +225,22 @@ def test_text_of_other_encodings(tmp_path):
         assert says.generation_tool == "wärmepumpe"
 
 
-def test_fmi1_is_told_apart(tmp_path):
-    text = changed("2.0", ('fmiVersion="2.0"', 'fmiVersion="1.0"'))
-    with pytest.raises(FmuError, match=r"'1\.0'; expected 2\.0 or 3\.0: export"):
-        inspect_fmu(xml_only(tmp_path, text))
+@pytest.mark.parametrize(
+    ("tag", "kind"), [("Implementation", "co-simulation"), ("Other", "model exchange")]
+)
+def test_fmi1_is_told_apart(tmp_path, tag, kind):
+    text = changed(
+        "2.0",
+        ('fmiVersion="2.0"', 'fmiVersion="1.0"'),
+        ("<ModelVariables>", f"<{tag}/><ModelVariables>"),
+    )
+    match = (
+        rf"'1\.0'; expected 2\.0 or 3\.0: export this FMI 1\.0 FMU for {kind} again, from by hand, "
+        "as one for co-simulation in FMI 2.0 or 3.0"
+    )
+    for read in (inspect_fmu, load_fmu):
+        with pytest.raises(FmuError, match=match):
+            read(xml_only(tmp_path, text))
 
 
 def test_unknown_names_are_answered_with_near_ones(tmp_path):
