@@ -192,7 +192,9 @@ static void cut(jounce_motion *m, double dt) {
  * is as fast as the bounds allow and the command is not caught up. */
 static jounce_status sample_by_jerk(const Seen *s, const jounce_limits *seen_limits, double position,
                              jounce_motion *m) {
-    double least = smaller(seen_limits->j_high, -seen_limits->j_low) * s->dt * NOTHING_YET;
+    double gentle = smaller(s->up, s->down); /* a sample is worth no more than the bounds allow */
+    double least = smaller(smaller(seen_limits->j_high, -seen_limits->j_low) * s->dt, gentle) *
+                   NOTHING_YET;
     jounce_state start, end = {0.0, 0.0, 0.0};
     jounce_status status;
     if (!is_finite(least)) {

@@ -282,14 +282,26 @@ static double last_outside(const jounce_task *t, const jounce_piece *piece) {
 }
 
 double jounce_time_inside(const jounce_task *t, const jounce_motion *motion) {
-    double end = motion->duration;
+    double begun = 0.0, after = 0.0;
     int i;
-    for (i = motion->count - 1; i >= 0; i--) {
-        double outside = last_outside(t, &motion->pieces[i]);
-        if (outside > 0.0) {
-            return end - (motion->pieces[i].duration - outside);
+    for (i = 0; i < motion->count; i++) { /* from the front, where short ramps keep their digits */
+        jounce_piece first = motion->pieces[i], second = first;
+        double turn = -first.a / first.j, outside = 0.0; /* where v turns */
+        if (0.0 < turn && turn < first.duration) {
+            second.duration -= turn;
+            second.v += 0.5 * first.a * turn;
+            second.a = 0.0;
+            first.duration = turn;
+            outside = last_outside(t, &second);
+            outside += outside > 0.0 ? turn : 0.0;
         }
-        end -= motion->pieces[i].duration;
+        if (outside == 0.0) {
+            outside = last_outside(t, &first);
+        }
+        if (outside > 0.0) {
+            after = begun + outside;
+        }
+        begun += motion->pieces[i].duration;
     }
-    return 0.0;
+    return after;
 }

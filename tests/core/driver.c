@@ -300,7 +300,7 @@ static int check(const Problem *p, const jounce_motion *m, int to_position) {
     return near("end velocity", m->end.v, p->end.v, TOLERANCE * magnitude(p->end.v)) ||
            (to_position && near("end position", m->end.x, p->end.x,
                                 ROUNDING * magnitude(p->end.x))) ||
-           check_joints(p, m, &s) || ((to_position || starts_inside(p)) && check_bounds(p, m, &s));
+           check_joints(p, m, &s) || check_bounds(p, m, &s);
 }
 
 /* --- the calls ------------------------------------------------------------------------------------- */
@@ -361,7 +361,9 @@ static int follows(Problem p) {
     jounce_motion motion;
     double command = p.end.x, velocity = 0.0;
     char rest[160];
+    Sizes s;
     int i;
+    p.end.a = 0.0;
     follower.limits = p.limits;
     follower.dt = one_in(2) ? 0.01 : ten_to(uniform(-4.0, 1.0));
     follower.period = one_in(4) ? larger(magnitude(p.end.x), 1.0) : INFINITE;
@@ -379,8 +381,14 @@ static int follows(Problem p) {
         if (!is_finite(&motion.end)) {
             return fail("not finite", motion.end.x, 0.0);
         }
-        if (starts_inside(&p) && check_bound("velocity", motion.end.v, p.limits.v_low,
-                                             p.limits.v_high, magnitude(p.start.v))) {
+        motion.inside_after = 0.0;
+        s = sizes(&p, &motion);
+        s.x = larger(s.x, magnitude(command));
+        s.gain += magnitude(velocity) + smaller(p.limits.a_high, -p.limits.a_low) * follower.dt;
+        s.reach += s.gain * follower.dt; /* what is done in no time beside a sample */
+        s.a += ROUNDING * larger(p.limits.j_high, -p.limits.j_low) * follower.dt;
+        if (starts_inside(&p) && ((follower.period == INFINITE && check_joints(&p, &motion, &s)) ||
+                                  check_bounds(&p, &motion, &s))) {
             return 1;
         }
         p.start = motion.end;
