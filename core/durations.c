@@ -93,7 +93,7 @@ jounce_status jounce_possible_durations(const jounce_state *start, const jounce_
                                         jounce_durations *durations) {
     jounce_problem p;
     int i;
-    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), &p);
+    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), 0.0, &p);
     durations->count = 0;
     if (!jounce_ends_within(&p.whole)) {
         return JOUNCE_UNREACHABLE;

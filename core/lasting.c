@@ -245,7 +245,7 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
                                       jounce_motion *motion) {
     jounce_problem p;
     double left;
-    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), &p);
+    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), duration, &p);
     if (!jounce_ends_within(&p.whole)) {
         return JOUNCE_UNREACHABLE;
     }

@@ -197,7 +197,7 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
     if (!is_finite(limits->a_high) && !is_finite(limits->j_high)) {
         return glide(distance, limits, motion);
     }
-    jounce_pose(&start, &end, limits, magnitude(distance), &p);
+    jounce_pose(&start, &end, limits, magnitude(distance), 0.0, &p);
     b = forward_bounds(&p.whole);
     s = shape_of(magnitude(p.whole.distance), &b);
     add_pieces(&s, &b, magnitude(p.whole.distance), motion);

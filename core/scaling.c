@@ -2,7 +2,7 @@
  * alone, so that problems that differ by powers of two become one and the same.
  *
  * The unit of time is about the longest of the times that distance, speeds and accelerations take
- * alone within each bound; that of distance the largest of what the state is worth in that time.
+ * alone within each bound, or a duration asked for; that of distance the largest of what the state is worth in that time.
  * In these units a motion takes a few units of time. A bound far above all that such a motion can
  * reach never binds and is taken for none; a jerk 2^200 times what is needed for a change of the
  * acceleration within that time lets the acceleration jump.
@@ -37,7 +37,7 @@ static double none_if_far(double bound, double far) {
     return magnitude(bound) > far ? (bound > 0.0 ? INFINITE : -INFINITE) : bound;
 }
 
-static jounce_units own_units(const jounce_task *t) {
+static jounce_units own_units(const jounce_task *t, double duration) {
     double jerk = smaller(t->rise, t->fall), power = smaller(t->a_max, -t->a_min);
     double speed = larger(t->v_max, -t->v_min);
     int d = exponent_or_nothing(t->distance);
@@ -48,6 +48,7 @@ static jounce_units own_units(const jounce_task *t) {
     time = most(time, most(time_under(v, jerk, 2), time_under(v, power, 1)));
     time = most(time, most(time_under(d, jerk, 3), time_under(d, power, 2)));
     time = most(time, time_under(d, speed, 1));
+    time = most(time, exponent_or_nothing(duration));
     if (time == NOTHING) {
         time = 0;
     }
@@ -89,8 +90,8 @@ static void drop_far_bounds(jounce_task *t) {
     }
 }
 
-jounce_units jounce_to_own_units(jounce_task *task) {
-    jounce_units units = own_units(task);
+jounce_units jounce_to_own_units(jounce_task *task, double duration) {
+    jounce_units units = own_units(task, duration);
     int v = units.time - units.length, a = v + units.time, j = a + units.time;
     task->distance = in_units(task->distance, -units.length);
     task->resolution = in_units(task->resolution, -units.length);

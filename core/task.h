@@ -25,8 +25,9 @@ typedef struct {
     int time, length;
 } jounce_units;
 
-/* Bring a task into its own units, in which its times are of order one (scaling.c). */
-jounce_units jounce_to_own_units(jounce_task *task);
+/* Bring a task into its own units, in which its times, and a duration asked for (or 0), are of
+ * order one (scaling.c). */
+jounce_units jounce_to_own_units(jounce_task *task, double duration);
 
 /* --- pieces (pieces.c) ------------------------------------------------------------------------ */
 
@@ -154,9 +155,10 @@ typedef struct {
     jounce_motion way;            /* inside */
 } jounce_problem;
 
-/* Scale a problem to its own units; positions are known to 2^-52 of `size`. */
+/* Scale a problem to its own units; positions are known to 2^-52 of `size`, and `duration` is asked
+ * for, or 0. */
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
-                 double size, jounce_problem *problem);
+                 double size, double duration, jounce_problem *problem);
 double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
 
 /* Whether the end keeps the bounds. */

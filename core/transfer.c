@@ -75,7 +75,7 @@ static int in_range(const jounce_motion *motion) {
 
 /* Scale a problem to its own units. */
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
-                 double size, jounce_problem *p) {
+                 double size, double duration, jounce_problem *p) {
     jounce_task *t = &p->whole;
     int jumps = !is_finite(limits->j_high);
     t->distance = end->x - start->x;
@@ -90,7 +90,7 @@ void jounce_pose(const jounce_state *start, const jounce_state *end, const jounc
     t->fall = -limits->j_low;
     t->rise = limits->j_high;
     t->resolution = EPSILON * size;
-    p->units = jounce_to_own_units(t);
+    p->units = jounce_to_own_units(t, duration);
     p->start = scaled(start->x, -p->units.length);
     p->goal = scaled(end->x, -p->units.length);
     jounce_clear(&p->way);
@@ -135,7 +135,7 @@ jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end
 jounce_status jounce_approach(const jounce_state *start, const jounce_state *end,
                               const jounce_limits *limits, double size, jounce_motion *motion) {
     jounce_problem p;
-    jounce_pose(start, end, limits, size, &p);
+    jounce_pose(start, end, limits, size, 0.0, &p);
     if (!jounce_ends_within(&p.whole)) {
         return JOUNCE_UNREACHABLE;
     }
@@ -159,7 +159,7 @@ jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_s
     jounce_change change;
     jounce_problem p;
     goal.x = start->x;
-    jounce_pose(start, &goal, limits, magnitude(start->x), &p);
+    jounce_pose(start, &goal, limits, magnitude(start->x), 0.0, &p);
     if (!jounce_ends_within(&p.whole)) {
         return JOUNCE_UNREACHABLE;
     }
