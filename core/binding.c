@@ -746,6 +746,99 @@ static PyObject *possible_durations(PyObject *module, PyObject *const *args, Py_
     return result;
 }
 
+/* --- several axes ------------------------------------------------------------------------------- */
+
+enum { MOST_AXES = 64 };
+
+static jounce_state start_of(const jounce_motion *motion) {
+    jounce_state start = motion->end;
+    if (motion->count > 0) {
+        start.x = motion->pieces[0].x;
+        start.v = motion->pieces[0].v;
+        start.a = motion->pieces[0].a;
+    }
+    return start;
+}
+
+/* The durations that all axes can take, and the shortest of them; 0 with an error set. */
+static int common_duration(PyObject *motions, PyObject *bounds, jounce_limits *limits,
+                           Py_ssize_t axes, double *duration) {
+    jounce_durations possible[MOST_AXES];
+    Py_ssize_t i;
+    for (i = 0; i < axes; i++) {
+        PyObject *one = PySequence_GetItem(motions, i), *flat = PySequence_GetItem(bounds, i);
+        const jounce_motion *motion = one != NULL ? &((Motion *)one)->motion : NULL;
+        int order = flat != NULL ? plain_limits(flat, 2, &limits[i]) : 0;
+        Py_XDECREF(one);
+        Py_XDECREF(flat);
+        if (motion == NULL || order == 0) {
+            return 0;
+        }
+        {
+            jounce_state start = start_of(motion);
+            jounce_possible_durations(&start, &motion->end, &limits[i], &possible[i]);
+        }
+    }
+    *duration = jounce_common_duration(possible, (int)axes);
+    return 1;
+}
+
+static PyObject *lasting_or_status(PyObject *module, Motion *given, const jounce_limits *limits,
+                                   double duration) {
+    jounce_state start = start_of(&given->motion);
+    Motion *self;
+    if (given->motion.duration >= duration * (1.0 - 16.0 * 2.220446049250313e-16)) {
+        Py_INCREF(given);
+        return (PyObject *)given;
+    }
+    self = new_motion(module, given->order);
+    return self == NULL ? NULL
+                        : motion_or_status(self, jounce_transfer_lasting(&start, &given->motion.end,
+                                                                         limits, duration,
+                                                                         &self->motion));
+}
+
+static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    State *state = PyModule_GetState(module);
+    jounce_limits limits[MOST_AXES];
+    Py_ssize_t axes, i;
+    double duration;
+    PyObject *result;
+    if (!expect(count, 2, "together(motions, bounds)") || !PyTuple_Check(args[0]) ||
+        !PyTuple_Check(args[1])) {
+        PyErr_SetString(PyExc_TypeError, "together(motions, bounds): expected two tuples");
+        return NULL;
+    }
+    axes = PyTuple_Size(args[0]);
+    if (axes > MOST_AXES || axes != PyTuple_Size(args[1])) {
+        PyErr_SetString(PyExc_ValueError, "together: too many axes, or not as many bounds");
+        return NULL;
+    }
+    for (i = 0; i < axes; i++) {
+        if (!PyObject_TypeCheck(PyTuple_GetItem(args[0], i), (PyTypeObject *)state->motion)) {
+            PyErr_SetString(PyExc_TypeError, "together: expected Motions");
+            return NULL;
+        }
+    }
+    if (!common_duration(args[0], args[1], limits, axes, &duration)) {
+        return NULL;
+    }
+    if (!is_number(duration)) {
+        return PyLong_FromLong((long)JOUNCE_NO_DURATION);
+    }
+    result = PyTuple_New(axes);
+    for (i = 0; result != NULL && i < axes; i++) {
+        PyObject *one = lasting_or_status(module, (Motion *)PyTuple_GetItem(args[0], i),
+                                          &limits[i], duration);
+        if (one == NULL || PyLong_Check(one)) {
+            Py_DECREF(result);
+            return one;
+        }
+        PyTuple_SetItem(result, i, one);
+    }
+    return result;
+}
+
 /* --- many transfers ----------------------------------------------------------------------------- */
 
 /* Numbers of many problems; those of all where a step is zero. */
@@ -1012,6 +1105,69 @@ static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssiz
     Py_RETURN_NONE;
 }
 
+static PyObject *tuple_of(const double *values, int count) {
+    PyObject *tuple = PyTuple_New(count);
+    int i;
+    for (i = 0; tuple != NULL && i < count; i++) {
+        PyObject *number = PyFloat_FromDouble(values[i]);
+        if (number == NULL) {
+            Py_CLEAR(tuple);
+        } else {
+            PyTuple_SetItem(tuple, i, number);
+        }
+    }
+    return tuple;
+}
+
+/* --- bounds -------------------------------------------------------------------------------------- */
+
+/* A positive number, a pair of numbers around zero, or None; 0 for anything else. */
+static int plain_bound(PyObject *object, double *low, double *high) {
+    double pair[2];
+    if (object == Py_None) {
+        *low = -Py_HUGE_VAL;
+        *high = Py_HUGE_VAL;
+        return 1;
+    }
+    if (plain_number(object, high)) {
+        *low = -*high;
+    } else if (plain_numbers(object, pair, 2) == 2) {
+        *low = pair[0];
+        *high = pair[1];
+    } else {
+        PyErr_Clear();
+        return 0;
+    }
+    return *low < 0.0 && *high > 0.0;
+}
+
+static PyObject *side_of(const double *flat, int side, int count) {
+    double values[JOUNCE_MOST_ORDER];
+    int i;
+    for (i = 0; i < count; i++) {
+        values[i] = flat[2 * i + side];
+    }
+    return tuple_of(values, count);
+}
+
+static PyObject *bounds_of(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    double flat[2 * JOUNCE_MOST_ORDER];
+    Py_ssize_t i;
+    int known = count > 0 && count <= JOUNCE_MOST_ORDER, order = 0;
+    (void)module;
+    for (i = 0; known && i < count; i++) {
+        known = plain_bound(args[i], &flat[2 * i], &flat[2 * i + 1]);
+        if (known && (is_number(flat[2 * i]) || is_number(flat[2 * i + 1]))) {
+            order = (int)i + 1;
+        }
+    }
+    if (!known || order == 0) {
+        Py_RETURN_NONE;
+    }
+    return Py_BuildValue("(NNN)", side_of(flat, 0, order), side_of(flat, 1, order),
+                         tuple_of(flat, 2 * order));
+}
+
 /* --- moves ------------------------------------------------------------------------------------- */
 
 static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count) {
@@ -1138,20 +1294,6 @@ static int follower_state(const Follower *self, PyObject *given, double *states)
         }
     }
     return 1;
-}
-
-static PyObject *tuple_of(const double *values, int count) {
-    PyObject *tuple = PyTuple_New(count);
-    int i;
-    for (i = 0; tuple != NULL && i < count; i++) {
-        PyObject *number = PyFloat_FromDouble(values[i]);
-        if (number == NULL) {
-            Py_CLEAR(tuple);
-        } else {
-            PyTuple_SetItem(tuple, i, number);
-        }
-    }
-    return tuple;
 }
 
 static PyObject *follower_step(PyObject *object, PyObject *const *args, Py_ssize_t count) {
@@ -1319,6 +1461,9 @@ static PyType_Spec follower_spec = {
 /* --- the module ------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
+    {"bounds", FAST(bounds_of), METH_FASTCALL,
+     "bounds(*bounds)\n--\n\nReturn lower bounds, upper bounds, and both in turn, of plain positive "
+     "numbers, pairs and None, None at the end left out; None for anything else."},
     {"advance_lags", FAST(advance_lags), METH_FASTCALL,
      "advance_lags(lags, motion, tau, omega)\n--\n\nReturn lags a time tau after the motion had "
      "the derivatives 0, 1, … given."},
@@ -1337,6 +1482,9 @@ static PyMethodDef functions[] = {
     {"possible_durations", FAST(possible_durations), METH_FASTCALL,
      "possible_durations(start, end, bounds)\n--\n\nReturn the durations that a transfer can "
      "take, as pairs (low, high); none where the end cannot be reached."},
+    {"together", FAST(together), METH_FASTCALL,
+     "together(motions, bounds)\n--\n\nReturn Motions of the shortest duration that all axes can "
+     "take, or the status."},
     {"transfers", FAST(transfers), METH_FASTCALL,
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "

@@ -64,6 +64,9 @@ class Follower:
         self, state: Numbers, command: float, command_velocity: float, /
     ) -> list[tuple[float, tuple[float, ...]]] | int: ...
 
+def bounds(
+    *bounds: object,
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]] | None: ...
 def advance_lags(
     lags: Numbers, motion: Numbers, tau: float, omega: float, /
 ) -> tuple[float, ...]: ...
@@ -76,6 +79,9 @@ def transfer_lasting(
 def possible_durations(
     start: Numbers, end: Numbers, bounds: Numbers, /
 ) -> tuple[tuple[float, float], ...]: ...
+def together(
+    motions: tuple[Motion, ...], bounds: tuple[Numbers, ...], /
+) -> tuple[Motion, ...] | int: ...
 def transfers(
     order: int,
     starts: FloatArray,

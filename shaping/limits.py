@@ -9,6 +9,7 @@ from math import inf, isinf
 
 import numpy as np
 
+from .. import core
 from .derivatives import derivative_name, derivative_number
 from .real_numbers import real_array, shown
 
@@ -61,7 +62,12 @@ class Limits:
         crackle: Bound | None = None,
         pop: Bound | None = None,
     ) -> None:
-        self._set((velocity, acceleration, jerk, snap, crackle, pop))
+        known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
+        if known is None:
+            self._set((velocity, acceleration, jerk, snap, crackle, pop))
+        else:
+            fields = self.__dict__  # the way around `frozen`
+            fields["lower"], fields["upper"], fields["flat"] = known
 
     @classmethod
     def from_bounds(cls, bounds: Iterable[Bound | None]) -> Limits:

@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from math import inf
 from typing import Literal
 
+from ... import core
 from ..limits import Limits
 from ..trajectory import Trajectory
 from .axes import Axis, as_axis
 from .infeasible import InfeasibleError
-from .problem import Problem, State
+from .problem import Problem, State, Transfer
 from .straight_line import straight_line
 
 _ROUNDING = 16.0 * 2.0**-52
@@ -75,6 +76,11 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
         raise ValueError(f"mode = {mode!r}: expected 'start', 'end', 'both' or 'straight-line'")
     if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
         raise TypeError(f"transfers = {transfers!r}: expected a list with one entry per axis")
+    transfers = list(transfers)
+    if mode == "both" and transfers and all(type(one) is Transfer for one in transfers):
+        together = _in_the_core(transfers)  # type: ignore[arg-type]
+        if together is not None:
+            return together
     axes = [as_axis(number, given) for number, given in enumerate(transfers)]
     if not axes:
         raise ValueError("transfers is empty: expected at least one axis")
@@ -85,6 +91,21 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     if mode == "end":
         return _ending_together(axes)
     return _both(axes)
+
+
+def _in_the_core(transfers: list[Transfer]) -> tuple[Transfer, ...] | None:
+    """Return transfers as they were planned, slowed down to one duration; None for others."""
+    motions = tuple(vars(one).get("_motion") for one in transfers)
+    limits = [one.limits for one in transfers if one.limits is not None]
+    if None in motions or len(limits) < len(motions):
+        return None
+    found = core.together(motions, tuple(each.flat for each in limits))
+    if isinstance(found, int):
+        return None
+    return tuple(
+        one if motion is before else Transfer.of(motion, each)
+        for one, before, motion, each in zip(transfers, motions, found, limits, strict=True)
+    )
 
 
 def _ending_together(axes: list[Axis]) -> tuple[Trajectory, ...]:
