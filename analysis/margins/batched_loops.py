@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .batched_roots import degrees, roots, trimmed
+from .batched_turning import turning_points
+from .crossings import TOUCH_TOLERANCE
 from .factored_loop import Complex, Real
 
 Mask = npt.NDArray[np.bool_]
@@ -97,6 +99,24 @@ class Loops:
             for end in (0.0, np.inf)
         ]
         return self.offset + 0.25 * quarters[0], self.offset + 0.25 * quarters[1]
+
+    @property
+    def endless(self) -> Mask:
+        """Which loops stand no delay at all, (B,): |L| ≥ 1 as ω → ∞."""
+        return np.asarray(self.limits[1] >= -TOUCH_TOLERANCE)
+
+    @property
+    def beside(self) -> float:
+        """How near to a root of the axis a frequency is beside it, relative."""
+        return BESIDE
+
+    def turning_points(self) -> tuple[Real, Real]:
+        """Return ω, nan for none, among them all where the gain turns, and where the phase."""
+        return turning_points(self)
+
+    def radians(self, omega: Real) -> Real:
+        """Return frequencies in radians a unit of time."""
+        return omega
 
     def gain(self, omega: Real) -> Real:
         """Return ln |L(jω)| at (B, K) frequencies."""
