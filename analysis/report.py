@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..shaping.derivatives import derivative_name
+from .margins.result import shown_intervals
 
 if TYPE_CHECKING:
     from ..shaping import Certificate
@@ -206,6 +207,9 @@ def _margins_table(survey: Survey) -> Table:
     for name, value, unit, at in (crossover, *margins.rows()):
         place = f"{at:.4g} Hz" if isfinite(at) else ""
         table.add_row(name, _shown(value, unit), place)
+    table.add_row("stable at gain times", shown_intervals(margins.stabilizing_gains), "")
+    delays = shown_intervals(margins.stabilizing_delays_s)
+    table.add_row("stable with added delay [s]", delays, "")
     return table
 
 

@@ -147,7 +147,10 @@ def _line(name: str, value: float, unit: str, hz: float) -> str:
 
 def shown_intervals(intervals: tuple[tuple[float, float], ...]) -> str:
     """Return intervals for reading, the first three of many."""
-    shown = [f"{low:.4g} to {high:.4g}" for low, high in intervals[:3]]
+    shown = [
+        f"above {low:.4g}" if math.isinf(high) else f"{low:.4g} to {high:.4g}"
+        for low, high in intervals[:3]
+    ]
     left = len(intervals) - len(shown)
     return ", ".join(shown + [f"{left} more"] * (left > 0)) or "none"
 
