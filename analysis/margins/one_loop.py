@@ -48,7 +48,8 @@ def loop_margins(
         L(s) = G(s)·e^(−s·delay),   or L(z) of a loop that is discrete in time
 
     Lower and upper gain margins are found apart, over every frequency where L is real and
-    negative, DC and ω → ∞ included, so conditionally stable loops come out whole.
+    negative, DC and ω → ∞ included, so conditionally stable loops come out whole. All gains and
+    all added delays that make the loop stable are listed, of an unstable loop, too.
 
     Parameters
     ----------
@@ -77,17 +78,23 @@ def loop_margins(
 
     Notes
     -----
-    Well-conditioned loops come out to about 1e-12 relative, whatever the unit of time, but for
-    the places of the peaks: a smooth maximum leaves its frequency eight digits, at worst. An
-    expanded polynomial of high order limits what can be known of its roots, one in z of slow
-    modes, crowded around z = 1, most of all; a state space of the same loop in physical
-    coordinates keeps more, but one whose states are mixtures of very different size may keep four
-    digits. A pole and a zero that cancel still count in stability, not in crossings. A loop with
-    |L| = 1 or real L at every frequency has no isolated crossings; what is listed then means
-    nothing, and unless it is static the loop is unstable.
+    Well-conditioned loops come out to about 1e-12 relative, whatever the unit of time; so do the
+    places of the peaks, which are solved for where the slope of the peak vanishes, but those of
+    peaks so flat that the slope itself is rounding. An expanded polynomial of high order limits
+    what can be known of its roots, one in z of slow modes, crowded around z = 1, most of all; a
+    state space of the same loop in physical coordinates keeps more, but one whose states are
+    mixtures of very different size may keep four digits. A pole and a zero that cancel still
+    count in stability, not in crossings; on the axis no gain and no delay makes such a loop
+    stable. A loop with |L| = 1 or real L at every frequency has no isolated crossings; what is
+    listed then means nothing, and unless it is static the loop is unstable.
 
-    With a delay, stability is decided by counting what crosses the axis as the delay grows from
-    nothing, and peaks are found by bounds over intervals of frequency: neither needs a grid.
+    Zeros and poles on the axis, undamped notches and modes, are passed close by on both sides,
+    and are points at which gain and phase may turn. Those with a damping ratio below 1e-13 are
+    set on the axis, as are double and triple ones that rounding has parted.
+
+    With a delay, stability is decided by Nyquist's criterion, counted from the phases at the
+    gain crossovers, and peaks are found by bounds over intervals of frequency: neither needs a
+    grid. Both are those of `many_loop_margins`, on roots in place of coefficients.
 
     Examples
     --------
@@ -98,6 +105,9 @@ def loop_margins(
     >>> delayed = loop_margins(control.tf([1], [1, 1, 0]), delay=0.5)
     >>> round(delayed.phase_margin_deg, 3), round(delayed.upper_gain_margin_db, 3)
     (29.306, 6.647)
+    >>> unstable = loop_margins(control.tf([1, 28, 38], [1, 0, 0, 0]))
+    >>> [(round(low, 4), high) for low, high in unstable.stabilizing_gains]
+    [(1.3571, inf)]
     """
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))

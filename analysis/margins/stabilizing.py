@@ -94,7 +94,8 @@ def _stabilizing_samples(pieces: OnePieces, dt: float) -> Intervals:
     loops = pieces.loops
     omega, turns = (part[0] for part in pieces.crossovers)
     omega, turns = loops.radians(omega[~np.isnan(omega)]), turns[~np.isnan(omega)]
-    last = min(_last_delay(pieces) / dt, _MOST) if omega.size else 0.0
+    always = not omega.size and not _beyond(pieces).any()
+    last = 0.0 if always else min(_last_delay(pieces) / dt, _MOST)
     samples = np.arange(np.ceil(last) + 1.0)
     whole = np.floor(pieces.turns[0] - _lag(samples * dt, loops.radians(pieces.omega[0])))
     whole[:, 0] = whole_turns(pieces)[0]
@@ -102,7 +103,7 @@ def _stabilizing_samples(pieces: OnePieces, dt: float) -> Intervals:
     whole[:, -1] = below(high - 0.5 * samples)
     passing = turns - _lag(samples * dt, omega)
     good = (_unstable(pieces, whole) == 0) & (_snapped(passing) != np.rint(passing)).all(axis=1)
-    if not omega.size:
+    if always:
         return ((0.0, np.inf),) if good.all() else ()
     [changes] = np.nonzero(np.diff(np.concatenate([[0], good, [0]])))
     return tuple((float(a) * dt, float(b - 1) * dt) for a, b in changes.reshape(-1, 2))
