@@ -206,9 +206,7 @@ def _margins(
     """Every margin of a stable loop, by field name."""
     margins = gain_margins_at(*crossings) | phase_and_delay(pieces)
     values = {name: float(value[0]) for name, value in margins.items()}
-    inverse = Pieces(
-        pieces.loops.inverse(), pieces.omega, -pieces.gain, -pieces.turns, pieces.crossing
-    )
+    inverse = _inverse(pieces)
     least_s, at_s = _least(pieces, crossings)
     least_t, at_t = _least(inverse, (-crossings[0], crossings[1]))
     least_d, at_d = _least(pieces, crossings, QUOTIENT)
@@ -226,6 +224,13 @@ def _margins(
     return {
         name: loop.hertz(value) if name.endswith("_hz") else value for name, value in values.items()
     }
+
+
+def _inverse(pieces: OnePieces) -> OnePieces:
+    """Return the pieces of 1/L."""
+    loops = pieces.loops.inverse()
+    turns = loops.roots.offset + pieces.loops.roots.offset - pieces.turns
+    return Pieces(loops, pieces.omega, -pieces.gain, turns, pieces.crossing)
 
 
 def _least(pieces: OnePieces, crossings: Any, measure: Measure = DISTANCE) -> tuple[float, float]:
