@@ -496,7 +496,8 @@ class Fmu:
         """Raise what the FMU reported, and refuse what FMI does not allow after it."""
         name = self.description.model_name
         if status == GONE:
-            raise self._lost(f"{name} {self._instance.ending} when it was to {what}")
+            said = self._log.told() if self._log.messages else ""
+            raise self._lost(f"{name} {self._instance.ending} when it was to {what}{said}")
         message = (
             f"{name} could not {what}: it "
             f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}{self._doubt}"
@@ -516,7 +517,7 @@ class Fmu:
         self._refusal = FmuError(
             f"{self.description.model_name} is closed ({message}): load it again"
         )
-        return FmuError(f"{message}{self._log.told()}: load it again")
+        return FmuError(f"{message}: load it again")
 
     def _stop(self, since: str) -> None:
         back = self.description.capabilities.can_get_and_set_state
