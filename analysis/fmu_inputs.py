@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _UNIT = re.compile(r"(.*\S)\s*\[([^\[\]]*)\]")
 _TIME = re.compile(r"t|time|t_s|time_s", re.IGNORECASE)
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 _TRUTH = {"true": 1.0, "false": 0.0}
 
 
@@ -48,12 +49,24 @@ def read_inputs(
     delimiter = next((mark for mark in ";\t" if mark in lines[0][1]), ",")
     rows = [(number, _cells(line, delimiter)) for number, line in lines]
     names, scales = _header(path, rows[0], units)
-    table = np.array([_row(path, names, row, delimiter) for row in rows[1:]])
-    if not table.size:
+    table = [_row(path, names, row, delimiter) for row in rows[1:]]
+    if not table:
         raise ValueError(f"{path}: no rows below the header; expected a time and values in each")
-    table = table * [gain for gain, _ in scales] + [offset for _, offset in scales]
-    _check_times(path, table[:, 0], [number for number, _ in rows[1:]])
-    return {name: (table[:, 0], table[:, i]) for i, name in enumerate(names) if i}
+    pairs = zip(zip(*table, strict=True), scales, strict=True)
+    columns = [_converted(np.array(values), *scale) for values, scale in pairs]
+    times = columns[0].astype(float)
+    _check_times(path, times, [number for number, _ in rows[1:]])
+    return {name: (times, column) for name, column in zip(names[1:], columns[1:], strict=True)}
+
+
+def value_at(table: tuple[FloatArray, FloatArray], time: float, *, steps: bool) -> float:
+    """Return what a table says at one time: of its last row up to then, or between two."""
+    times, values = table
+    before = max(int(np.searchsorted(times, time, side="right")) - 1, 0)
+    if steps or times[before] >= time or before + 1 == len(times):
+        found: float = values[before].item()
+        return found
+    return float(np.interp(time, times[before : before + 2], values[before : before + 2]))
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -116,6 +129,11 @@ def _check_time(place: str, cell: str, name: str, units: Mapping[str, FmuUnit | 
         )
 
 
+def _converted(values: FloatArray, gain: float, offset: float) -> FloatArray:
+    """Return a column in the input's unit; whole numbers of 64 bits as they are, without one."""
+    return values if (gain, offset) == (1.0, 0.0) else gain * values + offset
+
+
 def _row(path: Path, names: list[str], row: tuple[int, list[str]], delimiter: str) -> list[float]:
     number, cells = row
     if len(cells) != len(names):
@@ -128,6 +146,8 @@ def _row(path: Path, names: list[str], row: tuple[int, list[str]], delimiter: st
 
 def _number(cell: str, delimiter: str, place: str) -> float:
     text = cell if delimiter == "," else cell.replace(",", ".")
+    if _WHOLE.fullmatch(text):
+        return int(text)  # which may have more digits than a double
     try:
         value = _TRUTH[text.lower()] if text.lower() in _TRUTH else float(text)
     except ValueError:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..plant.fmu.cosimulation.cosimulation_result import CosimulationResult
     from ..plant.fmu.cosimulation.fmu_system import FmuSystem
     from ..plant.fmu.cosimulation.over_time import Source
-    from ..plant.fmu.importing.description import FmuError
+    from ..plant.fmu.importing.description import FmuDescription, FmuError
 
 _MAX_PANELS = 40
 _NEARLY = 1e-9
@@ -73,7 +73,8 @@ def run_command(
 
     Parameters and inputs are those of the file, or as --set and --input say.
 
-    Between the rows of --input, inputs go in straight lines, discrete ones are held.
+    Between the rows of --input, inputs go in straight lines, discrete ones are held; before its
+    first and after its last row, all are held.
 
     In an SSP, names are those of its own inputs and outputs, and component.variable.
     """
@@ -96,9 +97,10 @@ def run_command(
         "isolated": isolated,
         "timeout": seconds("--timeout", timeout) if isolated else None,
     }
-    with _loaded(file, setting or [], sha256, options) as system:
+    loaded, tables = _loaded(file, setting or [], inputs, sha256, options)
+    with loaded as system:
         try:
-            result = system.run(_lasting(system, wanted, until), inputs=_inputs(system, inputs))
+            result = system.run(_lasting(system, wanted, until), inputs=tables)
         except FmuError as error:
             raise _kept(error, system, csv, plot) from None
         finally:
@@ -112,24 +114,76 @@ def run_command(
 
 
 def _loaded(
-    file: Path, settings: Sequence[str], sha256: str | None, options: Mapping[str, Any]
-) -> FmuSystem:
-    """Return the system of a file, which is the one that was looked into, or the pinned one."""
-    from ..plant.fmu.cosimulation.fmu_system import system_of
+    file: Path,
+    settings: Sequence[str],
+    inputs: Path | None,
+    sha256: str | None,
+    options: Mapping[str, Any],
+) -> tuple[FmuSystem, Mapping[str, Source]]:
+    """Return the system of a file, initialised with the inputs at its start, and its inputs.
+
+    The file is the one that was looked into, or the pinned one.
+    """
+    from .fmu_options import is_ssp
+
+    load = _loaded_ssp if is_ssp(file) else _loaded_fmu
+    return load(file, settings, inputs, sha256, options)
+
+
+def _loaded_ssp(
+    file: Path,
+    settings: Sequence[str],
+    inputs: Path | None,
+    sha256: str | None,
+    options: Mapping[str, Any],
+) -> tuple[FmuSystem, Mapping[str, Source]]:
     from ..plant.fmu.cosimulation.load_ssp import inspect_ssp, load_ssp
+    from .fmu_inputs import read_inputs, value_at
+    from .fmu_options import settings_within
+
+    plan = inspect_ssp(file, max_unpacked_bytes=options["max_unpacked_bytes"])
+    units, own = plan.units(), plan.structure.inputs
+    known = {name: units.get(name) for name in (*own, *plan.free_inputs())}
+    tables = {} if inputs is None else read_inputs(inputs, known)
+    values = settings_within(plan, settings)
+    for name, table in tables.items():
+        block, _, variable = name.partition(".")
+        steps = name not in own and _in_steps(plan.descriptions[block], variable)
+        values[name] = value_at(table, plan.structure.start_time or 0.0, steps=steps)
+    pinned = plan.sha256 if sha256 is None else sha256
+    return load_ssp(file, sha256=pinned, parameters=values, **options), tables
+
+
+def _loaded_fmu(
+    file: Path,
+    settings: Sequence[str],
+    inputs: Path | None,
+    sha256: str | None,
+    options: Mapping[str, Any],
+) -> tuple[FmuSystem, Mapping[str, Source]]:
+    from ..plant.fmu.cosimulation.fmu_system import system_of
+    from ..plant.fmu.cosimulation.participants import units_of
     from ..plant.fmu.importing.load import load_fmu
     from ..plant.fmu.importing.reading import inspect_fmu
-    from .fmu_options import is_ssp, settings_of, settings_within
+    from .fmu_inputs import read_inputs, value_at
+    from .fmu_options import settings_of
 
-    limit = options["max_unpacked_bytes"]
-    if is_ssp(file):
-        plan = inspect_ssp(file, max_unpacked_bytes=limit)
-        values = settings_within(plan, settings)
-        return load_ssp(file, sha256=sha256 or plan.sha256, parameters=values, **options)
-    description = inspect_fmu(file, max_unpacked_bytes=limit)
+    description = inspect_fmu(file, max_unpacked_bytes=options["max_unpacked_bytes"])
+    units, prefix = units_of(description), f"{description.model_identifier}."
+    labels = [label for v in description.of_causality("input") for label in v.labels]
+    known = {name + label: units.get(label) for name in ("", prefix) for label in labels}
+    tables = {} if inputs is None else read_inputs(inputs, known)
+    start = description.default_experiment.start_time or 0.0
     values = settings_of(description, settings)
+    for name, table in tables.items():
+        own = name if name in labels else name.removeprefix(prefix)
+        values[own] = value_at(table, start, steps=_in_steps(description, own))
     pinned = description.sha256 if sha256 is None else sha256
-    return system_of(load_fmu(file, sha256=pinned, parameters=values, **options))
+    return system_of(load_fmu(file, sha256=pinned, parameters=values, **options)), tables
+
+
+def _in_steps(description: FmuDescription, name: str) -> bool:
+    return description.variable(name).variability != "continuous"
 
 
 def _lasting(system: FmuSystem, duration: float | None, stop_time: float | None) -> float | None:
@@ -153,15 +207,6 @@ def _print_log(system: FmuSystem) -> None:
     for name, fmu in system.blocks.items():
         for message in fmu.messages:
             print(f"jounce: {name}: {message}", file=sys.stderr)
-
-
-def _inputs(system: FmuSystem, path: Path | None) -> Mapping[str, Source]:
-    from .fmu_inputs import read_inputs
-
-    if path is None:
-        return {}
-    names = (*system.inputs, *system.free_inputs)
-    return read_inputs(path, {name: system.units.get(name) for name in names})
 
 
 def _kept(error: FmuError, system: FmuSystem, csv: Path | None, plot: Path | None) -> FmuError:

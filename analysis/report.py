@@ -16,6 +16,7 @@ from rich.text import Text
 from ..shaping import binding_limits
 from ..shaping.derivatives import derivative_name
 from ..shaping.optimal.binding import BINDING_RTOL
+from .margins.result import shown_intervals
 
 if TYPE_CHECKING:
     from ..shaping import Certificate
@@ -234,6 +235,9 @@ def _margins_table(survey: Survey) -> Table:
     for name, value, unit, at in (crossover, *margins.rows()):
         place = f"{at:.4g} Hz" if isfinite(at) else ""
         table.add_row(name, _shown(value, unit), place)
+    table.add_row("stable at gain times", shown_intervals(margins.stabilizing_gains), "")
+    delays = shown_intervals(margins.stabilizing_delays_s)
+    table.add_row("stable with added delay [s]", delays, "")
     return table
 
 

@@ -25,6 +25,7 @@ from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from .margins import LoopMargins, loop_margins
+from .margins.result import shown_intervals
 from .sampling import Clock, clock_for, followed, thinned
 from .scenario import Gains, Mode, Move, Scenario, as_scenario
 from .shapers import residual_vibration
@@ -175,9 +176,11 @@ def survey(
     margins = loop_margins(loop.loop_transfer())
     if not margins.stable:
         worst = max(margins.closed_loop_poles, key=lambda pole: pole.real)
+        gains = shown_intervals(margins.stabilizing_gains)
+        remedy = f"by a common factor {gains}" if margins.stabilizing_gains else "one by one"
         raise UnstableLoopError(
             f"{scenario.path}: the closed loop is UNSTABLE, with a pole at {worst:.4g} rad/s; "
-            "there are no margins to report. Change the gains"
+            f"there are no margins to report. Change the gains {remedy}"
         )
     behind = scenario.filter
     jerk_filter = None if behind is None else JerkFilter(behind.corner_hz, behind.order)

@@ -63,6 +63,10 @@ static void possible(const jounce_task *task, jounce_durations *out) {
     for (i = 0; i < found.count; i++) {
         solved[solutions_count++] = found.profiles[i].duration;
     }
+    if (solutions_count == 1 && task->a0 * task->a1 <= 0.0) { /* nothing turns round later */
+        add_interval(solved[0], INFINITE, out);
+        return;
+    }
     count = jounce_edges(&up, marks);
     count += jounce_edges(&down, marks + count);
     for (i = 0; i < solutions_count && count < MOST_EDGES - 1; i++) {

@@ -67,19 +67,23 @@ static Trial trial_towards(const jounce_task *task, double velocity, double boun
     return trial(task, velocity + step, duration);
 }
 
-/* Where an increasing error is nearest to zero; at one end it may be NaN (far). */
+/* Where an increasing error is nearest to zero; at one end it may be NaN (far). False position,
+ * the weight of an end that stays halved each time, which bisects where the error is NaN. */
 static Trial bracketed(const jounce_task *task, double duration, Trial low, Trial high) {
     Trial best = low;
-    int unknown_is_high = is_nan(high.error), k;
+    double low_error, high_error;
+    int unknown_is_high = is_nan(high.error), k, side = 0;
     if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
         best = high;
     }
+    low_error = low.error;
+    high_error = high.error;
     for (k = 0; k < MOST_ITERATIONS; k++) {
-        double middle = 0.5 * (low.velocity + high.velocity);
+        double middle = 0.5 * (low.velocity + high.velocity), secant;
         Trial at;
-        if (k % 3 != 0 && !is_nan(low.error + high.error) && high.error > low.error) {
-            double secant = low.velocity - low.error * (high.velocity - low.velocity) /
-                                               (high.error - low.error);
+        if (k % 8 != 7 && high_error > low_error) {
+            secant = low.velocity - low_error * (high.velocity - low.velocity) /
+                                        (high_error - low_error);
             if (low.velocity < secant && secant < high.velocity) {
                 middle = secant;
             }
@@ -91,8 +95,10 @@ static Trial bracketed(const jounce_task *task, double duration, Trial low, Tria
         if (is_nan(at.error)) {
             if (unknown_is_high) {
                 high = at;
+                high_error = at.error;
             } else {
                 low = at;
+                low_error = at.error;
             }
             continue;
         }
@@ -104,8 +110,14 @@ static Trial bracketed(const jounce_task *task, double duration, Trial low, Tria
         }
         if (at.error < 0.0) {
             low = at;
+            low_error = at.error;
+            high_error *= side < 0 ? 0.5 : 1.0;
+            side = -1;
         } else {
             high = at;
+            high_error = at.error;
+            low_error *= side > 0 ? 0.5 : 1.0;
+            side = 1;
         }
     }
     return best;

@@ -90,21 +90,35 @@ static void drop_far_bounds(jounce_task *t) {
     }
 }
 
+/* Whether 2^exponent is a normal number, so that products with it round once at most. */
+static int is_normal(int exponent) { return exponent >= -1022 && exponent <= 1023; }
+
+/* Multiply numbers, which may be infinite, by 2^exponent. */
+static void scale(double *const *numbers, int count, int exponent) {
+    int i;
+    if (is_normal(exponent)) {
+        double factor = power_of_two(exponent);
+        for (i = 0; i < count; i++) {
+            *numbers[i] *= factor;
+        }
+    } else {
+        for (i = 0; i < count; i++) {
+            *numbers[i] = in_units(*numbers[i], exponent);
+        }
+    }
+}
+
 jounce_units jounce_to_own_units(jounce_task *task, double duration) {
     jounce_units units = own_units(task, duration);
     int v = units.time - units.length, a = v + units.time, j = a + units.time;
-    task->distance = in_units(task->distance, -units.length);
-    task->resolution = in_units(task->resolution, -units.length);
-    task->v0 = in_units(task->v0, v);
-    task->v1 = in_units(task->v1, v);
-    task->v_min = in_units(task->v_min, v);
-    task->v_max = in_units(task->v_max, v);
-    task->a0 = in_units(task->a0, a);
-    task->a1 = in_units(task->a1, a);
-    task->a_min = in_units(task->a_min, a);
-    task->a_max = in_units(task->a_max, a);
-    task->rise = in_units(task->rise, j);
-    task->fall = in_units(task->fall, j);
+    double *const distances[] = {&task->distance, &task->resolution};
+    double *const velocities[] = {&task->v0, &task->v1, &task->v_min, &task->v_max};
+    double *const accelerations[] = {&task->a0, &task->a1, &task->a_min, &task->a_max};
+    double *const jerks[] = {&task->rise, &task->fall};
+    scale(distances, 2, -units.length);
+    scale(velocities, 4, v);
+    scale(accelerations, 4, a);
+    scale(jerks, 2, j);
     drop_far_bounds(task);
     return units;
 }

@@ -44,14 +44,23 @@ void jounce_clear(jounce_motion *motion) {
 
 static void scale_up(const jounce_problem *p, jounce_motion *motion) {
     int t = p->units.time, x = p->units.length, i, kept = 0;
+    int normal = t > -300 && t < 300 && x > -300 && x < 300;
+    double ft = 1.0, fx = 1.0, fv = 1.0, fa = 1.0, fj = 1.0;
+    if (normal) {
+        ft = power_of_two(t);
+        fx = power_of_two(x);
+        fv = power_of_two(x - t);
+        fa = power_of_two(x - 2 * t);
+        fj = power_of_two(x - 3 * t);
+    }
     motion->duration = 0.0;
     for (i = 0; i < motion->count; i++) {
         jounce_piece piece = motion->pieces[i];
-        piece.duration = scaled(piece.duration, t);
-        piece.x = scaled(piece.x, x);
-        piece.v = scaled(piece.v, x - t);
-        piece.a = scaled(piece.a, x - 2 * t);
-        piece.j = scaled(piece.j, x - 3 * t);
+        piece.duration = normal ? piece.duration * ft : scaled(piece.duration, t);
+        piece.x = normal ? piece.x * fx : scaled(piece.x, x);
+        piece.v = normal ? piece.v * fv : scaled(piece.v, x - t);
+        piece.a = normal ? piece.a * fa : scaled(piece.a, x - 2 * t);
+        piece.j = normal ? piece.j * fj : scaled(piece.j, x - 3 * t);
         motion->duration += piece.duration;
         if (piece.duration > 0.0) {
             motion->pieces[kept++] = piece;
@@ -61,16 +70,16 @@ static void scale_up(const jounce_problem *p, jounce_motion *motion) {
     motion->inside_after = scaled(motion->inside_after, t);
 }
 
+/* Differences of infinities and of NaN to themselves are NaN, all others zero. */
 static int in_range(const jounce_motion *motion) {
+    double sum = motion->duration + motion->end.x;
     int i;
+    sum -= sum;
     for (i = 0; i < motion->count; i++) {
-        const jounce_piece *piece = &motion->pieces[i];
-        if (!is_finite(piece->duration) || !is_finite(piece->x) || !is_finite(piece->v) ||
-            !is_finite(piece->a) || !is_finite(piece->j)) {
-            return 0;
-        }
+        const jounce_piece *p = &motion->pieces[i];
+        sum += (p->x - p->x) + (p->v - p->v) + (p->a - p->a) + (p->j - p->j);
     }
-    return is_finite(motion->duration) && is_finite(motion->end.x);
+    return sum == 0.0;
 }
 
 /* Scale a problem to its own units. */

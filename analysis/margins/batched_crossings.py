@@ -9,53 +9,61 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from .batched_loops import BESIDE, Loops, Mask
-from .batched_roots import product, roots, summed
+from .batched_loops import Loops, Mask
+from .batched_turning import packed
 from .crossings import TOUCH_TOLERANCE
 from .factored_loop import DAMPING_FLOOR, Real
+from .rooted_loops import RootedLoops
+
+AnyLoops = Loops | RootedLoops
+Kind = TypeVar("Kind", bound=AnyLoops)
 
 Function = Callable[[Any, Real], tuple[Real, Real]]
 
-_REAL = 1e-2
 _LIGHT = 0.3
 _NEAR = 0.1
+_SAME = 1e-12
 _STEPS = 100
 _LAST_STEP = 1e-10
 _ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class Pieces(Generic[Kind]):
     """The frequency axis of B loops in pieces on which gain and phase are monotone.
 
     Attributes
     ----------
-    loops : Loops
+    loops : Loops or RootedLoops
     omega, gain, turns : (B, K) arrays
         Frequencies, ascending, the last one repeated; ln |L|, 0 on a crossover, and turns there.
     crossing : (B, K) array of bool
         Where |L| = 1.
     """
 
-    loops: Loops
+    loops: Kind
     omega: Real
     gain: Real
     turns: Real
     crossing: Mask
 
-    def take(self, rows: Any) -> Pieces:
+    def take(self, rows: Any) -> Pieces[Kind]:
         """Return those of some of the loops."""
-        parts = [getattr(self, field.name)[rows] for field in fields(self)[1:]]
-        return Pieces(self.loops.take(rows), *parts)
+        loops: Any = self.loops.take(rows)
+        return Pieces(loops, *(getattr(self, field.name)[rows] for field in fields(self)[1:]))
 
     @cached_property
-    def axis(self) -> Real:
-        """Frequencies of zeros and poles on the axis, else nan, (B, R)."""
-        return _on_axis(self.loops)
+    def jumping(self) -> Mask:
+        """Which pieces hold a zero or pole on the axis, where the phase jumps, (B, K − 1)."""
+        holding = np.zeros((len(self.omega), self.omega.shape[1] - 1), dtype=bool)
+        for place in beside_axis(self.loops)[0].T:
+            above = self.omega > place[:, None]
+            holding |= above[:, 1:] & ~above[:, :-1]
+        return holding
 
     @cached_property
     def crossovers(self) -> tuple[Real, Real]:
@@ -70,7 +78,10 @@ class Pieces:
         return np.concatenate([limits[0], omega, limits[1]], axis=1), turns
 
 
-def pieces_of(loops: Loops) -> Pieces:
+OnePieces = Pieces[RootedLoops]
+
+
+def pieces_of(loops: Kind) -> Pieces[Kind]:
     """Return the frequency axis of each loop in monotone pieces, split at crossovers."""
     omega = _edges(loops)
     gain = _with_limits(loops, omega, loops.gain(omega))
@@ -92,7 +103,7 @@ def pieces_of(loops: Loops) -> Pieces:
     return Pieces(loops, merged, gain, turns, crossing)
 
 
-def stable(pieces: Pieces) -> Mask:
+def stable(pieces: Pieces[Any]) -> Mask:
     """Return which closed loops are stable, (B,): Nyquist's criterion, counted without a grid.
 
     L encircles −1 as often as it passes the axis beyond it. Where |L| > 1 from one frequency to
@@ -111,7 +122,7 @@ def stable(pieces: Pieces) -> Mask:
     omega, turns = pieces.crossovers
     distance = 2.0 * np.pi * abs(turns - np.rint(turns))
     on_axis = ~np.isnan(omega) & (distance <= DAMPING_FLOOR)
-    endless = (loops.delay > 0) & (loops.limits[1] >= -TOUCH_TOLERANCE)
+    endless = (loops.delay > 0) & loops.endless
     return np.asarray((unstable == 0) & ~on_axis.any(axis=1) & ~endless & ~loops.hidden)
 
 
@@ -155,7 +166,7 @@ def within(low: Real, high: Real, at_low: Real, at_high: Real) -> Real:
     return low + np.clip(share, 0.02, 0.98) * (high - low)
 
 
-def _gain_crossings(loops: Loops, omega: Real, gain: Real, changes: Mask) -> Real:
+def _gain_crossings(loops: AnyLoops, omega: Real, gain: Real, changes: Mask) -> Real:
     """Return the crossovers between edges, (B, K − 1), nan where there is none."""
     found = np.full(changes.shape, np.nan)
     rows, columns = np.nonzero(changes)
@@ -172,7 +183,7 @@ def _gain_crossings(loops: Loops, omega: Real, gain: Real, changes: Mask) -> Rea
     return found[:, changes.any(axis=0)]
 
 
-def _with_limits(loops: Loops, omega: Real, gain: Real) -> Real:
+def _with_limits(loops: AnyLoops, omega: Real, gain: Real) -> Real:
     """Return the gain with its limits at the first and last frequency, where they are finite."""
     low, high = loops.limits
     first = (omega == omega[:, :1]) & (loops.power == 0)[:, None]
@@ -180,70 +191,54 @@ def _with_limits(loops: Loops, omega: Real, gain: Real) -> Real:
     return np.where(first, low[:, None], np.where(last, high[:, None], gain))
 
 
-def _edges(loops: Loops) -> Real:
+def _edges(loops: AnyLoops) -> Real:
     """Return frequencies between which gain and phase are monotone, (B, K), the ends included."""
     low, high = (end[:, None] for end in loops.ends)
-    of_gain, of_phase = (_real_roots(row) for row in _turning(loops))
-    axis = _on_axis(loops)
-    points = [
-        _polished(loops, np.concatenate([of_gain, _resonances(loops)], axis=1), of_phase=False),
-        _polished(loops, of_phase, of_phase=True),
-        *(axis * (1.0 - BESIDE), axis * (1.0 + BESIDE)),
-    ]
-    inner = np.concatenate(points, axis=1)
-    inner = _packed(np.where((inner > low) & (inner < high), inner, np.nan))
+    of_gain, of_phase = loops.turning_points()
+    inner = np.concatenate(
+        [
+            _polished(loops, np.concatenate([of_gain, _resonances(loops)], axis=1), of_phase=False),
+            _polished(loops, of_phase, of_phase=True),
+        ],
+        axis=1,
+    )
+    inner = np.sort(inner, axis=1)
+    inner[:, 1:] = np.where(np.diff(inner) <= _SAME * inner[:, 1:], np.nan, inner[:, 1:])
+    axis, near = beside_axis(loops)
+    for place, off in zip(axis.T, near.T, strict=True):
+        inner = np.where(abs(inner - place[:, None]) < off[:, None], np.nan, inner)
+    inner = np.concatenate([inner, axis - near, axis + near], axis=1)
+    inner = packed(np.where((inner > low) & (inner < high), inner, np.nan))
     return np.concatenate([low, np.where(np.isfinite(inner), inner, high), high], axis=1)
 
 
-def _turning(loops: Loops) -> tuple[Real, Real]:
-    """Return polynomials in ω², of all frequencies where the gain turns, and where the phase."""
-    (n, n_turn), (d, d_turn) = (_squares(part) for part in (loops.numerator, loops.denominator))
-    of_gain = product(n, d, lambda i, j: loops.power + (i - j))
-    of_phase = summed(
-        product(n_turn, d),
-        product(-d_turn, n),
-        -loops.delay[:, None] * product(n, d),
-    )
-    return of_gain, of_phase
+def beside_axis(loops: AnyLoops) -> tuple[Real, Real]:
+    """Return ω of the zeros and poles on the axis, each once, else nan, and how far is beside.
 
-
-def _squares(rows: Real) -> tuple[Real, Real]:
-    """Return |P|² and |P|²·d(arg P)/dω as polynomials of x = ω².
-
-    With P = e(x) + jω·o(x) they are e² + x·o² and e·o + 2x·(o'e − o·e').
+    Nothing but the root lies so near: a quarter of the way to the next one, at the most.
     """
-    signs = (-1.0) ** np.arange(rows.shape[1])
-    even, odd = rows[:, 0::2] * signs[: -(-rows.shape[1] // 2)], rows[:, 1::2]
-    odd = odd * signs[: odd.shape[1]]
-    shifted = np.concatenate([np.zeros((len(rows), 1)), product(odd, odd)], axis=1)
-    turn = product(odd, even, lambda i, j: 1.0 + 2.0 * (i - j))
-    return summed(product(even, even), shifted), turn
+    found = np.concatenate([loops.zeros, loops.poles], axis=1)
+    axis = packed(np.where((found.real == 0.0) & (found.imag > 0.0), found.imag, np.nan))
+    if axis.shape[1] > 1:
+        axis[:, 1:] = np.where(np.diff(axis, axis=1) == 0.0, np.nan, axis[:, 1:])
+        axis = packed(axis)
+    gaps = np.diff(axis, axis=1)
+    none = np.full((len(axis), min(1, axis.shape[1])), np.nan)
+    sides = [np.concatenate(part, axis=1) for part in ([none, gaps], [gaps, none])]
+    return axis, np.fmin(loops.beside * axis, 0.25 * np.fmin(*sides))
 
 
-def _real_roots(rows: Real) -> Real:
-    """Return ω of the positive real roots in ω², nan for none."""
-    squares = roots(rows)
-    real = (squares.real > 0.0) & (abs(squares.imag) <= _REAL * squares.real)
-    return _packed(np.sqrt(np.where(real, squares.real, np.nan)))
-
-
-def _resonances(loops: Loops) -> Real:
+def _resonances(loops: AnyLoops) -> Real:
     """Return ω of lightly damped zeros and poles, nan for none.
 
     Their peaks are too narrow for roots of a polynomial whose other roots are decades away.
     """
     found = np.concatenate([loops.zeros, loops.poles], axis=1)
     light = (found.imag > 0.0) & (abs(found.real) <= _LIGHT * found.imag)
-    return _packed(np.where(light, found.imag, np.nan))
+    return packed(np.where(light, found.imag, np.nan))
 
 
-def _packed(omega: Real) -> Real:
-    """Return rows with all nan at their ends, and no column of nothing else."""
-    omega = np.sort(omega, axis=1)
-    return omega[:, np.isfinite(omega).any(axis=0)]
-
-
-def _polished(loops: Loops, omega: Real, *, of_phase: bool) -> Real:
+def _polished(loops: AnyLoops, omega: Real, *, of_phase: bool) -> Real:
     """Return frequencies after Newton steps towards where the gain or the phase turns."""
     for _ in range(2):
         slopes = loops.slopes(omega)
@@ -253,8 +248,3 @@ def _polished(loops: Loops, omega: Real, *, of_phase: bool) -> Real:
         step = -first / second
         omega = np.where(abs(step) < _NEAR, omega * np.exp(step), omega)
     return omega
-
-
-def _on_axis(loops: Loops) -> Real:
-    found = np.concatenate([loops.zeros, loops.poles], axis=1)
-    return _packed(np.where((found.real == 0.0) & (found.imag > 0.0), found.imag, np.nan))

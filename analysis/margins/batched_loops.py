@@ -9,7 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .axis import set_on_axis
 from .batched_roots import degrees, roots, trimmed
+from .batched_turning import turning_points
+from .crossings import TOUCH_TOLERANCE
 from .factored_loop import Complex, Real
 
 Mask = npt.NDArray[np.bool_]
@@ -17,7 +20,6 @@ Mask = npt.NDArray[np.bool_]
 BESIDE = 1e-9
 """Frequencies this near, relative to one another, are taken for the same."""
 
-_AXIS = 1e-13
 _FAR = 1e8
 _HIGHEST = 1e200
 _MOST = 600.0
@@ -98,6 +100,24 @@ class Loops:
         ]
         return self.offset + 0.25 * quarters[0], self.offset + 0.25 * quarters[1]
 
+    @property
+    def endless(self) -> Mask:
+        """Which loops stand no delay at all, (B,): |L| ≥ 1 as ω → ∞."""
+        return np.asarray(self.limits[1] >= -TOUCH_TOLERANCE)
+
+    @property
+    def beside(self) -> float:
+        """How near to a root of the axis a frequency is beside it, relative."""
+        return BESIDE
+
+    def turning_points(self) -> tuple[Real, Real]:
+        """Return ω, nan for none, among them all where the gain turns, and where the phase."""
+        return turning_points(self)
+
+    def radians(self, omega: Real) -> Real:
+        """Return frequencies in radians a unit of time."""
+        return omega
+
     def gain(self, omega: Real) -> Real:
         """Return ln |L(jω)| at (B, K) frequencies."""
         alpha, beta = omega / (1.0 + omega), 1.0 / (1.0 + omega)
@@ -155,7 +175,7 @@ def loops_of(numerator: Real, denominator: Real, delay: Real) -> Loops:
     unit = _unit(n, d, power, delay)
     (n, n_exponent), (d, d_exponent) = (_in_units(part, unit) for part in (n, d))
     log_gain = np.log(2.0) * (n_exponent - d_exponent + power * unit)
-    zeros, poles = (_set_on_axis(roots(part)) for part in (n, d))
+    zeros, poles = (set_on_axis(roots(part)) for part in (n, d))
     opposite = (_leading(n) < 0.0) != (_leading(d) < 0.0)
     return Loops(
         log_gain,
@@ -210,11 +230,6 @@ def _in_units(rows: Real, unit: Real) -> tuple[Real, Real]:
     largest = np.where(rows != 0, exponent, np.iinfo(np.int64).min).max(axis=1, initial=-(2**60))
     scaled = np.ldexp(mantissa, np.maximum(exponent - largest[:, None], -4000))
     return scaled[:, : degrees(scaled).max(initial=0) + 1], largest
-
-
-def _set_on_axis(found: Complex) -> Complex:
-    beside = (abs(found.real) <= _AXIS * abs(found)) & np.isfinite(found)
-    return np.where(beside, 1j * found.imag, found)
 
 
 def _on_axis(rows: Real, alpha: Real, beta: Real) -> Complex:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from .batched_crossings import Pieces, solve, within
-from .batched_loops import BESIDE, Mask
 from .crossings import TOUCH_TOLERANCE
 from .factored_loop import Real
 
@@ -28,14 +27,14 @@ def least(margins: Real, places: Real) -> tuple[Real, Real]:
     return value, np.where(np.isfinite(value), place, np.nan)
 
 
-def phase_and_delay(pieces: Pieces) -> dict[str, Real]:
+def phase_and_delay(pieces: Pieces[Any]) -> dict[str, Real]:
     """Return phase and delay margins by name, angles in degrees, the rest in the loops' units."""
     omega, turns = pieces.crossovers
     none = np.isnan(omega)
     angle, crossover = least(np.where(none, np.inf, abs(turns - np.rint(turns))), omega)
-    lag = 2.0 * np.pi * (turns - np.floor(turns)) / omega
+    lag = 2.0 * np.pi * (turns - np.floor(turns)) / pieces.loops.radians(omega)
     delay, at_delay = least(np.where(none, np.inf, lag), omega)
-    endless = pieces.loops.limits[1] >= -TOUCH_TOLERANCE
+    endless = pieces.loops.endless
     return {
         "phase_margin_deg": 360.0 * angle,
         "crossover_hz": crossover,
@@ -44,25 +43,28 @@ def phase_and_delay(pieces: Pieces) -> dict[str, Real]:
     }
 
 
-def gain_margins(pieces: Pieces) -> tuple[dict[str, Real], tuple[Real, Real]]:
+def gain_margins(pieces: Pieces[Any]) -> tuple[dict[str, Real], tuple[Real, Real]]:
     """Return both gain margins by name, and ln |L| and ω at the phase crossovers they are from.
 
     In a monotone piece on one side of |L| = 1, the nearest to 1 of the gains where L is real and
     negative is that of the first whole turn, counted from the end whose gain is nearer to 1.
     """
-    gain, omega = (
-        np.concatenate(part, axis=1)
-        for part in zip(_inside(pieces), _at_edges(pieces), _at_limits(pieces), strict=True)
-    )
+    parts = zip(_inside(pieces), at_edges(pieces), at_limits(pieces), strict=True)
+    gain, omega = (np.concatenate(part, axis=1) for part in parts)
+    return gain_margins_at(gain, omega), (gain, omega)
+
+
+def gain_margins_at(gain: Real, omega: Real) -> dict[str, Real]:
+    """Return both gain margins by name, of ln |L|, nan for none, and ω of phase crossovers."""
     margins: dict[str, Real] = {}
     for name, sign in (("lower", 1.0), ("upper", -1.0)):
         sizes = np.where(sign * gain > 0.0, sign * gain * _DECIBELS, np.inf)
         value, place = least(sizes, omega)
         margins |= {f"{name}_gain_margin_db": value, f"{name}_gain_margin_hz": place}
-    return margins, (gain, omega)
+    return margins
 
 
-def _at_limits(pieces: Pieces) -> tuple[Real, Real]:
+def at_limits(pieces: Pieces[Any]) -> tuple[Real, Real]:
     """Return gain, nan for none, and ω of L real and negative at ω = 0 and ω → ∞.
 
     Behind a delay the phase comes by again and again, while the gain tends to its limit.
@@ -77,18 +79,20 @@ def _at_limits(pieces: Pieces) -> tuple[Real, Real]:
     return np.stack(gains, axis=1), places
 
 
-def _at_edges(pieces: Pieces) -> tuple[Real, Real]:
+def at_edges(pieces: Pieces[Any]) -> tuple[Real, Real]:
     """Return gain, nan for none, and ω where the phase turns just on −180 degrees."""
     inside = (pieces.omega > pieces.omega[:, :1]) & (pieces.omega < pieces.omega[:, -1:])
     touching = 2.0 * np.pi * abs(pieces.turns - np.rint(pieces.turns)) <= TOUCH_TOLERANCE
-    some = inside & touching & ~_beside_axis(pieces, pieces.omega)
+    inside[:, 1:] &= ~pieces.jumping
+    inside[:, :-1] &= ~pieces.jumping
+    some = inside & touching
     columns = some.any(axis=0)
     return np.where(some, pieces.gain, np.nan)[:, columns], pieces.omega[:, columns]
 
 
-def _inside(pieces: Pieces) -> tuple[Real, Real]:
+def _inside(pieces: Pieces[Any]) -> tuple[Real, Real]:
     """Return gain, nan for none, and ω of the phase crossover of each piece nearest |L| = 1."""
-    turns = _with_limits(pieces)
+    turns = with_limits(pieces)
     from_low = abs(pieces.gain[:, :-1]) <= abs(pieces.gain[:, 1:])
     low, high = turns[:, :-1], turns[:, 1:]
     start, stop = np.where(from_low, low, high), np.where(from_low, high, low)
@@ -96,15 +100,15 @@ def _inside(pieces: Pieces) -> tuple[Real, Real]:
     level = np.where(up, np.floor(start) + 1.0, np.ceil(start) - 1.0)
     some = np.where(up, level < stop, level > stop)
     endless = (pieces.omega == pieces.omega[:, -1:])[:, 1:] & (pieces.loops.delay > 0)[:, None]
-    some &= from_low | ~endless
+    some &= (from_low | ~endless) & ~pieces.jumping
     gain, omega = np.full(some.shape, np.nan), np.full(some.shape, np.nan)
     rows, columns = np.nonzero(some)
-    omega[rows, columns] = found = _level_crossings(pieces, rows, columns, level[rows, columns])
+    omega[rows, columns] = found = level_crossings(pieces, rows, columns, level[rows, columns])
     gain[rows, columns] = pieces.loops.take(rows).gain(found[:, None])[:, 0]
-    return np.where(_beside_axis(pieces, omega), np.nan, gain), omega
+    return gain, omega
 
 
-def _with_limits(pieces: Pieces) -> Real:
+def with_limits(pieces: Pieces[Any]) -> Real:
     """Return the turns with their limits at the ends, which L comes near but does not reach."""
     low, high = pieces.loops.turns_at_limits
     turns = pieces.turns.copy()
@@ -113,7 +117,7 @@ def _with_limits(pieces: Pieces) -> Real:
     return np.where(last & (pieces.loops.delay == 0)[:, None], high[:, None], turns)
 
 
-def _level_crossings(pieces: Pieces, rows: Any, columns: Any, level: Real) -> Real:
+def level_crossings(pieces: Pieces[Any], rows: Any, columns: Any, level: Real) -> Real:
     """Return ω where the turns reach a level within a piece, (M,)."""
     some = pieces.loops.take(rows)
     low, high = (np.log(pieces.omega[rows, columns + k]) for k in (0, 1))
@@ -125,11 +129,3 @@ def _level_crossings(pieces: Pieces, rows: Any, columns: Any, level: Real) -> Re
 
     rising = at_high > at_low
     return np.exp(solve(excess, low, high, within(low, high, at_low, at_high), rising))
-
-
-def _beside_axis(pieces: Pieces, omega: Real) -> Mask:
-    """Whether frequencies lie on a zero or pole of the axis, where the phase jumps."""
-    beside = np.zeros(omega.shape, dtype=bool)
-    for place in pieces.axis.T:
-        beside |= abs(omega - place[:, None]) <= 2.0 * BESIDE * place[:, None]
-    return beside

@@ -1,17 +1,8 @@
-"""Stability and poles of a loop with a pure delay, which is not approximated.
-
-A delay turns the phase and leaves the gain alone, so that closed-loop poles, infinitely many, can
-cross the axis only where |G(jω)| = 1. Counting what has crossed on the way from no delay to the
-delay there is decides stability exactly: Walton and Marshall, "Direct method for TDS stability
-analysis", IEE Proceedings D 134 (1987) 101-107.
-"""
-
-from math import ceil
+"""Poles of a closed loop with a pure delay, which is not approximated."""
 
 import numpy as np
 
-from .crossings import TOUCH_TOLERANCE
-from .factored_loop import DAMPING_FLOOR, HIGHEST, LOWEST, Complex, FactoredLoop, Real, is_stable
+from .factored_loop import Complex, FactoredLoop
 
 _TURN = 2 * np.pi
 _TOUCHING = 1e-6
@@ -20,53 +11,19 @@ _MOST_NODES = 240
 _APART, _STILL = 1e-8, 1e-12
 
 
-def is_stable_behind_delay(loop: FactoredLoop, crossovers: Real) -> bool:
-    """Whether a loop with delay is stable, given all ω with |L(jω)| = 1."""
-    if not is_stable(loop.hidden) or loop.log_gain(np.array([HIGHEST]))[0] >= -TOUCH_TOLERANCE:
-        return False
-    floor = DAMPING_FLOOR * abs(loop.closed)
-    unstable = int(np.sum(loop.closed.real > floor))
-    waiting = int(np.sum(abs(loop.closed.real) <= floor))  # on the axis without delay
-    for omega in crossovers[(crossovers > LOWEST) & (crossovers < HIGHEST)].tolist():
-        first, direction = _crossing(loop, omega)
-        turns = (omega * loop.delay - first) / _TURN
-        if turns > -0.5 and abs(turns - round(turns)) <= DAMPING_FLOOR * max(abs(turns), 1.0):
-            return False  # just now on the axis
-        crossed = max(ceil(turns), 0)
-        if first == 0.0 and direction:
-            waiting -= 2
-            crossed -= direction < 0
-        unstable += 2 * direction * crossed
-    return unstable == 0 and waiting <= 0
-
-
-def _crossing(loop: FactoredLoop, omega: float) -> tuple[float, int]:
-    """Return the first ω·delay at which a pair crosses at ω, and whether to the right, 1, or −1.
-
-    0 where |L| touches 1 and turns back.
-    """
-    at = np.array([omega])
-    first = float((np.angle(-loop.values(at)) + omega * loop.delay)[0] % _TURN)
-    terms = np.concatenate(
-        [
-            sign * (omega - roots.imag) / abs(1j * omega - roots) ** 2
-            for sign, roots in ((1.0, loop.zeros), (-1.0, loop.poles))
-        ]
-    )
-    slope = float(terms.sum())
-    touching = abs(slope) <= _TOUCHING * float(abs(terms).sum())
-    at_once = min(first, _TURN - first) <= DAMPING_FLOOR
-    return 0.0 if at_once else first, 0 if touching else -int(np.sign(slope))
-
-
-def rightmost_poles(loop: FactoredLoop) -> Complex:
+def rightmost_poles(loop: FactoredLoop, near: Complex) -> Complex:
     """Return closed-loop poles in rad/s, the slowest decay first: those found to rounding.
 
-    The delay is a transport equation, discretised on Chebyshev points (Breda, Maset and
+    Beside `near`, scaled places near which poles may lie, such as passages of L through −1,
+    the delay is a transport equation, discretised on Chebyshev points (Breda, Maset and
     Vermiglio, SIAM J. Sci. Comput. 27 (2005) 482-495); what its eigenvalues say is corrected by
     Newton steps on 1 + L(s) itself.
     """
-    found = [_corrected(loop, _of_transport(loop)), _unmoved(loop), loop.hidden]
+    found = [
+        _corrected(loop, np.concatenate([_of_transport(loop), near, near.conj()])),
+        _unmoved(loop),
+        loop.hidden,
+    ]
     poles = np.concatenate(found) * loop.scale
     return np.asarray(poles[np.argsort(-poles.real, kind="stable")])
 
@@ -122,7 +79,7 @@ def _corrected(loop: FactoredLoop, poles: Complex) -> Complex:
             value = loop.at(poles)
             slope = (1 / (poles[:, None] - loop.zeros)).sum(axis=1) - loop.delay
             slope = slope - (1 / (poles[:, None] - loop.poles)).sum(axis=1)
-            step = (1 + value) / (value * slope)
+            step = np.log(-value) / slope
             poles = poles - step
         settled = np.isfinite(poles) & (abs(step) <= 1e-10 * abs(poles))
     poles = poles[settled & (abs(1 + loop.at(poles)) < 0.1)]

@@ -11,9 +11,6 @@ Complex = npt.NDArray[np.complex128]
 LOWEST, HIGHEST = 1e-100, 1e100
 """Scaled frequencies that stand for the limits ω = 0 and ω → ∞."""
 
-UNBOUNDED = 115.0
-"""Where ln |L| passes ± this value at a limit, L has a pole or a zero there."""
-
 DAMPING_FLOOR = 1e-10
 """A closed-loop pole whose damping ratio is not above this counts as undamped."""
 

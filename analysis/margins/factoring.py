@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .axis import set_on_axis
 from .factored_loop import Complex, FactoredLoop, Real
 from .w_plane import around_one, on_w_plane
 
 if TYPE_CHECKING:
     import control
 
-_AXIS = 1e-13
 _ILL_POSED = 1e-13
 
 
@@ -74,8 +74,7 @@ def _scaled(loop: FactoredLoop) -> FactoredLoop:
     names = ("zeros", "poles", "closed", "opposite", "hidden")
     roots = {name: getattr(loop, name) * 2.0**-power for name in names}
     for name in ("zeros", "poles"):
-        beside = abs(roots[name].real) <= _AXIS * abs(roots[name])
-        roots[name] = np.where(beside, 1j * roots[name].imag, roots[name])
+        roots[name] = set_on_axis(roots[name][None])[0]
     gain = float(np.ldexp(loop.gain, power * (loop.zeros.size - loop.poles.size)))
     return replace(loop, **roots, gain=gain, scale=2.0**power)
 

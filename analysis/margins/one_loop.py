@@ -6,23 +6,38 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...shaping.checks import finite
-from . import sectors
-from .crossings import (
-    TOUCH_TOLERANCE,
-    gain_crossings,
-    level_crossings,
-    phase_crossings,
-    stationary_points,
-)
-from .delay import is_stable_behind_delay, rightmost_poles
-from .factored_loop import HIGHEST, LOWEST, Complex, FactoredLoop, Real, is_stable
+from .bandwidth import bandwidth
+from .batched_crossings import OnePieces, Pieces, pieces_of
+from .batched_crossings import stable as is_stable_by_count
+from .batched_margins import at_edges, at_limits, gain_margins_at, phase_and_delay
+from .batched_modulus import DISTANCE, QUOTIENT, Measure, modulus
+from .delay import rightmost_poles
+from .factored_loop import Complex, FactoredLoop, Real, is_stable
 from .factoring import factored
+from .passages import Passages, passages
 from .result import LoopMargins
+from .rooted_loops import rooted
+from .stabilizing import stabilizing_delays, stabilizing_gains
 
 if TYPE_CHECKING:
     import control
 
-_WIDE = 1e4
+_UNLIMITED = (
+    "phase_margin_deg",
+    "lower_gain_margin_db",
+    "upper_gain_margin_db",
+    "delay_margin_s",
+)
+_SILENT = {
+    "modulus_margin": 1.0,
+    "modulus_margin_hz": 0.0,
+    "disk_margin": 2.0,
+    "disk_margin_hz": 0.0,
+    "sensitivity_peak": 1.0,
+    "sensitivity_peak_hz": 0.0,
+    "complementary_peak": 0.0,
+    "complementary_peak_hz": 0.0,
+}
 
 
 def loop_margins(
@@ -33,7 +48,8 @@ def loop_margins(
         L(s) = G(s)·e^(−s·delay),   or L(z) of a loop that is discrete in time
 
     Lower and upper gain margins are found apart, over every frequency where L is real and
-    negative, DC and ω → ∞ included, so conditionally stable loops come out whole.
+    negative, DC and ω → ∞ included, so conditionally stable loops come out whole. All gains and
+    all added delays that make the loop stable are listed, of an unstable loop, too.
 
     Parameters
     ----------
@@ -62,17 +78,23 @@ def loop_margins(
 
     Notes
     -----
-    Well-conditioned loops come out to about 1e-12 relative, whatever the unit of time, but for
-    the places of the peaks: a smooth maximum leaves its frequency eight digits, at worst. An
-    expanded polynomial of high order limits what can be known of its roots, one in z of slow
-    modes, crowded around z = 1, most of all; a state space of the same loop in physical
-    coordinates keeps more, but one whose states are mixtures of very different size may keep four
-    digits. A pole and a zero that cancel still count in stability, not in crossings. A loop with
-    |L| = 1 or real L at every frequency has no isolated crossings; what is listed then means
-    nothing, and unless it is static the loop is unstable.
+    Well-conditioned loops come out to about 1e-12 relative, whatever the unit of time; so do the
+    places of the peaks, which are solved for where the slope of the peak vanishes, but those of
+    peaks so flat that the slope itself is rounding. An expanded polynomial of high order limits
+    what can be known of its roots, one in z of slow modes, crowded around z = 1, most of all; a
+    state space of the same loop in physical coordinates keeps more, but one whose states are
+    mixtures of very different size may keep four digits. A pole and a zero that cancel still
+    count in stability, not in crossings; on the axis no gain and no delay makes such a loop
+    stable. A loop with |L| = 1 or real L at every frequency has no isolated crossings; what is
+    listed then means nothing, and unless it is static the loop is unstable.
 
-    With a delay, stability is decided by counting what crosses the axis as the delay grows from
-    nothing, and peaks are found by bounds over intervals of frequency: neither needs a grid.
+    Zeros and poles on the axis, undamped notches and modes, are passed close by on both sides,
+    and are points at which gain and phase may turn. Those with a damping ratio below 1e-13 are
+    set on the axis, as are double and triple ones that rounding has parted.
+
+    With a delay, stability is decided by Nyquist's criterion, counted from the phases at the
+    gain crossovers, and peaks are found by bounds over intervals of frequency: neither needs a
+    grid. Both are those of `many_loop_margins`, on roots in place of coefficients.
 
     Examples
     --------
@@ -83,24 +105,16 @@ def loop_margins(
     >>> delayed = loop_margins(control.tf([1], [1, 1, 0]), delay=0.5)
     >>> round(delayed.phase_margin_deg, 3), round(delayed.upper_gain_margin_db, 3)
     (29.306, 6.647)
+    >>> unstable = loop_margins(control.tf([1, 28, 38], [1, 0, 0, 0]))
+    >>> [(round(low, 4), high) for low, high in unstable.stabilizing_gains]
+    [(1.3571, inf)]
     """
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))
-    crossovers, phase_crossovers = gain_crossings(loop), phase_crossings(loop)
-    if loop.delay:
-        poles, stable = rightmost_poles(loop), is_stable_behind_delay(loop, np.array(crossovers))
-    else:
-        poles = loop.closed_loop_poles()
-        stable = is_stable(np.concatenate([loop.closed, loop.hidden]))
-    margins = _margins(loop, crossovers, phase_crossovers) if stable else {}
-    return LoopMargins(
-        stable=stable,
-        closed_loop_poles=poles,
-        crossovers_hz=tuple(loop.hertz(omega) for omega in crossovers),
-        phase_crossovers_hz=tuple(loop.hertz(omega) for omega in phase_crossovers),
-        dt=loop.dt,
-        **margins,
-    )
+    if not loop.gain:
+        return _of_silent(loop)
+    with np.errstate(all="ignore"):
+        return _of_pieces(loop, pieces_of(rooted(loop)))
 
 
 def _validate(system: Any) -> None:
@@ -136,108 +150,89 @@ def _checked_delay(system: Any, delay: float) -> float:
     return delay
 
 
+def _of_silent(loop: FactoredLoop) -> LoopMargins:
+    """Return the margins of a loop without gain."""
+    poles = loop.closed_loop_poles()
+    stable = is_stable(np.concatenate([loop.closed, loop.hidden]))
+    values = dict.fromkeys(_UNLIMITED, math.inf) | _SILENT if stable else {}
+    always = ((0.0, math.inf),) if stable else ()
+    return LoopMargins(stable, poles, (), (), always, always, dt=loop.dt, **values)
+
+
+def _of_pieces(loop: FactoredLoop, pieces: OnePieces) -> LoopMargins:
+    found = passages(pieces)
+    poles, stable = _poles(loop, pieces, found)
+    crossings = _phase_crossings(pieces, found)
+    return LoopMargins(
+        stable=stable,
+        closed_loop_poles=poles,
+        crossovers_hz=_hertz(loop, pieces.crossovers[0][0]),
+        phase_crossovers_hz=_hertz(loop, np.unique(crossings[1])),
+        stabilizing_gains=stabilizing_gains(pieces, found, stable=stable),
+        stabilizing_delays_s=stabilizing_delays(pieces, stable=stable),
+        dt=loop.dt,
+        **(_margins(loop, pieces, crossings) if stable else {}),
+    )
+
+
+def _poles(loop: FactoredLoop, pieces: OnePieces, found: Passages) -> tuple[Complex, bool]:
+    """Return closed-loop poles, and whether all are stable: those that are listed, at the least."""
+    if not loop.delay:
+        return loop.closed_loop_poles(), is_stable(
+            np.concatenate([loop.closed, pieces.loops.loop.hidden])
+        )
+    crossovers = pieces.omega[pieces.crossing]
+    poles = rightmost_poles(loop, 1j * np.concatenate([crossovers, found.omega[found.inside]]))
+    return poles, bool(is_stable_by_count(pieces)[0]) and is_stable(poles)
+
+
+def _hertz(loop: FactoredLoop, omega: Real) -> tuple[float, ...]:
+    """Return frequencies in Hz, ascending, without nan."""
+    return tuple(sorted(loop.hertz(place) for place in omega[~np.isnan(omega)].tolist()))
+
+
+def _phase_crossings(pieces: OnePieces, found: Passages) -> tuple[Real, Real]:
+    """Return ln |L| and ω where L is finite, real and negative, limits and touches included."""
+    touches = (at_edges(pieces), at_limits(pieces))
+    gain = np.concatenate([found.gain[found.inside], *(part[0][0] for part in touches)])
+    omega = np.concatenate([found.omega[found.inside], *(part[1][0] for part in touches)])
+    some = np.isfinite(gain)
+    return gain[None, some], omega[None, some]
+
+
 def _margins(
-    loop: FactoredLoop, crossovers: list[float], phase_crossovers: list[float]
+    loop: FactoredLoop, pieces: OnePieces, crossings: tuple[Real, Real]
 ) -> dict[str, float]:
     """Every margin of a stable loop, by field name."""
-    (peak_s, at_s), (peak_t, at_t), (peak_d, at_d) = _peaks(loop)
-    return {
-        **_phase_and_delay(loop, np.array(crossovers)),
-        **_gain_margins(loop, np.array(phase_crossovers)),
-        "modulus_margin": 1 / peak_s,
+    margins = gain_margins_at(*crossings) | phase_and_delay(pieces)
+    values = {name: float(value[0]) for name, value in margins.items()}
+    inverse = _inverse(pieces)
+    least_s, at_s = _least(pieces, crossings)
+    least_t, at_t = _least(inverse, (-crossings[0], crossings[1]))
+    least_d, at_d = _least(pieces, crossings, QUOTIENT)
+    values |= {
+        "modulus_margin": least_s,
         "modulus_margin_hz": at_s,
-        "disk_margin": 2 / peak_d if peak_d else math.inf,
+        "disk_margin": 2.0 * least_d,
         "disk_margin_hz": at_d,
-        "sensitivity_peak": peak_s,
+        "sensitivity_peak": 1.0 / least_s,
         "sensitivity_peak_hz": at_s,
-        "complementary_peak": peak_t,
+        "complementary_peak": 1.0 / least_t,
         "complementary_peak_hz": at_t,
-        "bandwidth_hz": _bandwidth(loop),
+        "bandwidth_hz": bandwidth(inverse),
     }
-
-
-def _phase_and_delay(loop: FactoredLoop, crossovers: Real) -> dict[str, float]:
-    angles = np.angle(-loop.values(crossovers))
-    inner = crossovers > LOWEST
-    radians = np.where(inner, loop.radians(crossovers), 1.0)
-    delays = np.where(inner, angles % (2 * np.pi) / radians, math.inf)
-    delay, at_delay = _least(delays, crossovers)
-    if loop.dt is None and loop.log_gain(np.array([HIGHEST]))[0] >= -TOUCH_TOLERANCE:
-        delay, at_delay = 0.0, HIGHEST
-    angle, crossover = _least(abs(angles), crossovers)
     return {
-        "delay_margin_s": delay,
-        "delay_margin_hz": loop.hertz(at_delay),
-        "phase_margin_deg": math.degrees(angle),
-        "crossover_hz": loop.hertz(crossover),
+        name: loop.hertz(value) if name.endswith("_hz") else value for name, value in values.items()
     }
 
 
-def _gain_margins(loop: FactoredLoop, crossovers: Real) -> dict[str, float]:
-    sizes = loop.log_gain(crossovers) * (20 / math.log(10))
-    lower, at_lower = _least(sizes[sizes > 0], crossovers[sizes > 0])
-    upper, at_upper = _least(-sizes[sizes < 0], crossovers[sizes < 0])
-    return {
-        "lower_gain_margin_db": lower,
-        "lower_gain_margin_hz": loop.hertz(at_lower),
-        "upper_gain_margin_db": upper,
-        "upper_gain_margin_hz": loop.hertz(at_upper),
-    }
+def _inverse(pieces: OnePieces) -> OnePieces:
+    """Return the pieces of 1/L."""
+    loops = pieces.loops.inverse()
+    turns = loops.roots.offset + pieces.loops.roots.offset - pieces.turns
+    return Pieces(loops, pieces.omega, -pieces.gain, turns, pieces.crossing)
 
 
-def _least(margins: Real, places: Real) -> tuple[float, float]:
-    """Return the smallest finite margin and where it is taken."""
-    if not np.isfinite(margins).any():
-        return math.inf, math.nan
-    return float(margins.min()), float(places[margins.argmin()])
-
-
-def _peaks(loop: FactoredLoop) -> list[tuple[float, float]]:
-    """Return max |S|, max |T| and max |(1 − L)/(1 + L)| over all ω and where, in Hz."""
-    if not loop.gain:
-        return [(1.0, 0.0), (0.0, 0.0), (1.0, 0.0)]
-    bounds = (sectors.sensitivity, sectors.complementary, sectors.disk)
-    zeros = (loop.poles, loop.zeros, loop.opposite)
-    if loop.delay:
-        found = [sectors.peak(loop, bound) for bound in bounds]
-    else:
-        found = [_peak(loop, *each) for each in zip(bounds, zeros, strict=True)]
-        if _is_wide(loop):
-            searched = [sectors.peak(loop, bound) for bound in bounds]
-            found = [max(each) for each in zip(found, searched, strict=True)]
-    return [(value, loop.hertz(omega)) for value, omega in found]
-
-
-def _is_wide(loop: FactoredLoop) -> bool:
-    """Whether roots lie so far apart that rounding hides where a peak is."""
-    sizes = abs(np.concatenate([loop.zeros, loop.poles, loop.closed]))
-    sizes = sizes[sizes > 0]
-    return bool(sizes.size and sizes.max() > _WIDE * sizes.min())
-
-
-def _peak(loop: FactoredLoop, bound: sectors.Bound, zeros: Complex) -> tuple[float, float]:
-    """Return max |F(L(jω))| over all ω and where; `zeros` are those of F(L(s))."""
-    inner = stationary_points(zeros, loop.closed)
-    places = np.concatenate([[LOWEST], inner, [HIGHEST]])
-    sizes = sectors.sizes(loop, bound, places)
-    # Of equal peaks the lowest in frequency, so that rounding does not choose.
-    best = int(np.argmax(sizes >= sizes.max() * (1 - 1e-14)))
-    return float(sizes[best]), float(places[best])
-
-
-def _bandwidth(loop: FactoredLoop) -> float:
-    if not loop.gain:
-        return math.nan
-    at_dc = float(sectors.sizes(loop, sectors.complementary, np.array([LOWEST]))[0])
-    if at_dc < math.sqrt(LOWEST):
-        return math.nan
-    level = math.log(at_dc) - math.log(2) / 2
-    if loop.delay:
-        omega = sectors.first_below(loop, math.exp(level))
-        return loop.hertz(omega) if math.isfinite(omega) else math.nan
-
-    def excess(omega: Real) -> Real:
-        return np.asarray(loop.log_gain(omega) - np.log(abs(1 + loop.values(omega))) - level)
-
-    falls = level_crossings(excess, stationary_points(loop.zeros, loop.closed))
-    return loop.hertz(falls[0]) if falls else math.nan
+def _least(pieces: OnePieces, crossings: Any, measure: Measure = DISTANCE) -> tuple[float, float]:
+    value, place = modulus(pieces, crossings, measure)
+    return float(value[0]), float(place[0])

@@ -40,6 +40,16 @@ class LoopMargins(Frozen):
     phase_crossovers_hz : tuple of float
         All frequencies where L is finite, real and negative, ascending. With a delay, which
         turns the phase for ever: those that can limit a margin.
+    stabilizing_gains : tuple of (float, float)
+        Intervals of k > 0, without their ends, ascending, for which k·L is a stable loop; empty
+        if there is none. A stable loop has 1 in one of them. Where poles touch the axis and turn
+        back, one ends and the next begins.
+    stabilizing_delays_s : tuple of (float, float)
+        Intervals of added delay in the same way, of the delay that comes on top of that which
+        the loop has; a stable loop has one that begins at 0, which is ((0, 0),) where |L| ≥ 1 as
+        ω → ∞ lets it stand none at all. Of a discrete loop: whole samples, in seconds, and the
+        ends belong to them, as in (0, 3·dt). Beyond 10,000 passages of the axis, or samples,
+        nothing is listed.
     delay_margin_s, delay_margin_hz : float
         Smallest added delay that destabilises, and its crossover. The delay is 0 where
         |L| ≥ 1 as ω → ∞. Of a discrete loop: the delay whose phase lag uses up the margin.
@@ -61,6 +71,8 @@ class LoopMargins(Frozen):
     closed_loop_poles: Complex
     crossovers_hz: tuple[float, ...]
     phase_crossovers_hz: tuple[float, ...]
+    stabilizing_gains: tuple[tuple[float, float], ...] = ()
+    stabilizing_delays_s: tuple[tuple[float, float], ...] = ()
     crossover_hz: float = math.nan
     phase_margin_deg: float = math.nan
     lower_gain_margin_db: float = math.nan
@@ -99,7 +111,8 @@ class LoopMargins(Frozen):
         """Return the margins as text, one to a line; an unstable loop names its worst pole."""
         if not self.stable:
             return _unstable_summary(self)
-        return "\n".join(["stable", *(_line(*row) for row in self.rows())])
+        lines = [*(_line(*row) for row in self.rows()), *_stabilizing_lines(self)]
+        return "\n".join(["stable", *lines])
 
     def rows(self) -> list[tuple[str, float, str, float]]:
         """Return (name, value, unit, frequency in Hz or nan) of each margin, for a table."""
@@ -133,8 +146,30 @@ def _line(name: str, value: float, unit: str, hz: float) -> str:
     return f"{name:<18} {shown:>12}{place}"
 
 
+def shown_intervals(intervals: tuple[tuple[float, float], ...]) -> str:
+    """Return intervals for reading, the first three of many."""
+    shown = [
+        f"above {low:.4g}" if math.isinf(high) else f"{low:.4g} to {high:.4g}"
+        for low, high in intervals[:3]
+    ]
+    left = len(intervals) - len(shown)
+    return ", ".join(shown + [f"{left} more"] * (left > 0)) or "none"
+
+
+def _stabilizing_lines(margins: LoopMargins) -> list[str]:
+    gains, delays = margins.stabilizing_gains, margins.stabilizing_delays_s
+    return [
+        f"stable at gain times {shown_intervals(gains)}",
+        f"stable with added delay (s): {shown_intervals(delays)}",
+    ]
+
+
 def _unstable_summary(margins: LoopMargins) -> str:
-    pole = complex(margins.closed_loop_poles[0]) + 0.0
     crossovers = ", ".join(f"{hz:.4g}" for hz in margins.crossovers_hz) or "none"
-    place = f"{pole:.4g} rad/s" if margins.dt is None else f"z = {pole:.4g}"
-    return f"UNSTABLE: closed-loop pole at {place}\ngain crossovers (Hz): {crossovers}"
+    lines = [f"gain crossovers (Hz): {crossovers}", *_stabilizing_lines(margins)]
+    return "\n".join([f"UNSTABLE: closed-loop pole at {_worst_pole(margins)}", *lines])
+
+
+def _worst_pole(margins: LoopMargins) -> str:
+    pole = complex(margins.closed_loop_poles[0]) + 0.0
+    return f"{pole:.4g} rad/s" if margins.dt is None else f"z = {pole:.4g}"

@@ -350,6 +350,8 @@ def test_survey_of_an_unstable_loop(run, folder):
     assert "UNSTABLE" in line
     worst = max(np.roots([1.0, 1.0, 28.0, 38.0]), key=lambda pole: pole.real)
     assert f"{worst.real:.4g}" in line
+    # s³ + k·(s² + 28s + 38) is stable from k = 38/28 on
+    assert line.endswith("Change the gains by a common factor above 1.357")
     assert "case.toml" in line
     assert names(folder) == {"case.toml"}
 

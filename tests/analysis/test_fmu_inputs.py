@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from jounce.analysis.fmu_inputs import read_inputs
+from jounce.analysis.fmu_inputs import read_inputs, value_at
 from jounce.plant.fmu.cosimulation.conversion import unit_of
 
 UNITS = {"u": None, "angle": unit_of("rad"), "A[1,2]": None, "force": unit_of("N")}
@@ -47,6 +47,22 @@ def test_units_and_elements_both_have_brackets(read):
     found = read('time,angle [deg],"A[1,2]"\n0,180,3\n')
     np.testing.assert_allclose(found["angle"], ([0.0], [pi]), rtol=1e-15)
     assert found["A[1,2]"] == ([0.0], [3.0])
+
+
+def test_whole_numbers_keep_all_their_digits(tmp_path):
+    path = tmp_path / "in.csv"
+    path.write_text("time,u\n0,9007199254740993\n1,-5\n", encoding="utf-8")
+    assert read_inputs(path, UNITS)["u"][1].tolist() == [9007199254740993, -5]
+
+
+@pytest.mark.parametrize(
+    ("time", "line", "held"), [(-1.0, 2.0, 2.0), (0.0, 2.0, 2.0), (0.5, 3.0, 2.0),
+                               (1.0, 8.0, 8.0), (9.0, 6.0, 6.0)]
+)  # fmt: skip
+def test_one_value_of_a_table(time, line, held):
+    table = (np.array([0.0, 1.0, 1.0, 2.0]), np.array([2.0, 4.0, 8.0, 6.0]))
+    assert value_at(table, time, steps=False) == line
+    assert value_at(table, time, steps=True) == held
 
 
 def test_a_jump_is_two_rows_of_one_time(read):

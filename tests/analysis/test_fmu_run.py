@@ -111,6 +111,17 @@ def test_inputs_come_from_a_file_in_the_units_that_it_names(run, plant):
     assert "holds" not in out
 
 
+def test_an_fmu_is_initialised_with_the_inputs_at_its_start(run, folder, whole):
+    """What passes its input on shows it from the start, in an SSP, too."""
+    Path("in.csv").write_text("time,u\n0,5\n1,5\n", encoding="utf-8")
+    path = fmu(folder, replace(ADDER, step_size=DT))
+    assert run(path, "--input", "in.csv", "--duration", 1, "--csv", "out.csv")[0] == 0
+    assert columns("out.csv")["adder.y"].tolist() == [5.0] * 9
+    Path("in.csv").write_text("time,angle\n0,180\n", encoding="utf-8")
+    assert run(whole, "--input", "in.csv", "--csv", "out.csv")[0] == 0
+    np.testing.assert_allclose(columns("out.csv")["a.y"], [pi + 1.0] * 9, rtol=1e-14)
+
+
 def test_a_file_that_ends_early_is_held_and_that_is_told(run, plant):
     Path("in.csv").write_text("t,plant.u\n0,1\n0.25,3\n", encoding="utf-8")
     status, out, _ = run(plant, "--input", "in.csv", "--duration", 1, "--csv", "out.csv")

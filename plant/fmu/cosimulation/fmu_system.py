@@ -136,6 +136,10 @@ class FmuSystem:
             else:
                 known = (*self.inputs, *self.free_inputs)
                 raise FmuError(f"{self.name} has no input {name!r}{candidates(name, known)}")
+        targets = [target for _, target in found]
+        for target in targets:
+            if targets.count(target) > 1:
+                raise FmuError(f"inputs: {target!r} is given twice, by two names; leave one out")
         return found
 
     def _with_outputs(self, found: CosimulationResult) -> CosimulationResult:

@@ -112,6 +112,17 @@ class SspPlan:
             for name in self.structure.inputs
         }
 
+    def free_inputs(self) -> list[str]:
+        """Return the inputs of components that nothing feeds, "component.input"."""
+        taken = {target for _, target in self.connections()}
+        known = [
+            f"{name}.{label}"
+            for name, description in self.descriptions.items()
+            for variable in description.of_causality("input")
+            for label in variable.labels
+        ]
+        return [name for name in known if name not in taken]
+
     def outputs(self) -> dict[str, tuple[str, float, float]]:
         """Return, by output of the system, what it shows: source, gain, offset."""
         return {

@@ -8,9 +8,11 @@ import pytest
 from scipy.special import lambertw
 
 from jounce.analysis.margins import loop_margins, many_loop_margins
-from jounce.analysis.margins.crossings import gain_crossings
-from jounce.analysis.margins.delay import is_stable_behind_delay, rightmost_poles
+from jounce.analysis.margins.batched_crossings import pieces_of
+from jounce.analysis.margins.batched_crossings import stable as is_stable
+from jounce.analysis.margins.delay import rightmost_poles
 from jounce.analysis.margins.factoring import factored
+from jounce.analysis.margins.rooted_loops import rooted
 from jounce.plant import design_pid
 
 S = control.tf("s")
@@ -89,9 +91,8 @@ def test_poles_of_an_integrator_behind_a_delay_are_those_of_lamberts_w(delay):
 @pytest.mark.parametrize("seed", range(150))
 def test_stability_by_counting_agrees_with_the_rightmost_pole(seed):
     loop, delay = random_loop(seed)
-    found = factored(loop, delay)
-    poles = rightmost_poles(found)
-    stable = is_stable_behind_delay(found, np.array(gain_crossings(found)))
+    [stable] = is_stable(pieces_of(rooted(factored(loop, delay))))
+    poles = rightmost_poles(factored(loop, delay), np.empty(0))
     assert stable == (poles[0].real < 0), f"seed {seed}: {loop} behind {delay}: {poles[:3]}"
 
 
@@ -103,7 +104,7 @@ def test_poles_agree_with_a_pade_approximation_of_high_order(seed):
         np.polyadd(np.polymul(loop.den_array[0, 0], den), np.polymul(loop.num_array[0, 0], num))
     )
     near = approximate[abs(approximate) * delay < 2.0]
-    poles = rightmost_poles(factored(loop, delay))
+    poles = rightmost_poles(factored(loop, delay), np.empty(0))
     for pole in near:
         assert abs(poles - pole).min() < 1e-6 * (abs(pole) + 1 / delay), f"seed {seed}: {pole}"
 

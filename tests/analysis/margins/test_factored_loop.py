@@ -53,12 +53,10 @@ def test_a_free_chain_of_masses_keeps_its_rigid_body(masses):
 
 
 def test_infinite_zeros_do_not_come_back_as_finite_ones():
-    """The generalized eigenvalue problem gives some here."""
+    """The generalized eigenvalue problem gives some here, on most machines."""
     plant = control.ss((S + 2) / ((S + 1) ** 3 * (S + 30)))
     for seed in range(5):
-        system = mixed(plant, seed)
-        assert len(system.zeros()) > 1
-        loop = factored(system)
+        loop = factored(mixed(plant, seed))
         assert loop.zeros * loop.scale == pytest.approx(np.array([-2]), rel=1e-6)
 
 

@@ -361,6 +361,7 @@ def test_an_unstable_loop_has_no_margins_and_names_its_worst_pole(loop, real_par
     assert not margins.stable
     numbers = margins.as_dict()
     named = {"stable", "closed_loop_poles", "crossovers_hz", "phase_crossovers_hz"}
+    named |= {"stabilizing_gains", "stabilizing_delays_s"}
     assert {name for name, value in numbers.items() if value is not None} == named
     assert math.isnan(margins.phase_margin_deg)
     assert margins.closed_loop_poles[0].real == pytest.approx(real_part, abs=1e-12)

@@ -127,6 +127,8 @@ def test_the_system_has_inputs_and_outputs_of_its_own(tmp_path):
     np.testing.assert_allclose(run["shown"], 2.0 * run["b.y"] - 1.0, rtol=1e-15)
     np.testing.assert_allclose(run["shown"][1:], 2.0 * pi * run.time[:-1] - 1.0, rtol=1e-14)
     assert run.outputs == ("shown", "a.y", "b.y")
+    with load_ssp(path) as whole, pytest.raises(FmuError, match=r"'a\.u' is given twice"):
+        whole.run(inputs={"angle": 1.0, "a.u": 1.0})
     with pytest.raises(ValueError, match="read-only"):
         run["shown"][0] = 1.0
 

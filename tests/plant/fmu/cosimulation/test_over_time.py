@@ -81,7 +81,20 @@ def test_scaled_is_the_scaled_values(source):
         ({1.0, 2.0}, ["plant.u"]),
         (np.nan, ["plant.u"]),
     ],
-    ids=str,
+    ids=[
+        "lengths",
+        "no times",
+        "order",
+        "nan value",
+        "infinite time",
+        "texts",
+        "three parts",
+        "infinite function",
+        "text function",
+        "none",
+        "set",
+        "nan",
+    ],
 )
 def test_what_is_no_source_is_refused(source, words):
     with pytest.raises((FmuError, TypeError, ValueError), match=re.escape(words[0])) as caught:
