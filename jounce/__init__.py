@@ -1,4 +1,4 @@
-"""The packages `core`, `shaping`, `plant` and `analysis` under one name, each loaded when asked for."""
+"""The packages of jounce under one name, each loaded when asked for."""
 
 __all__ = ["__version__", "analysis", "core", "plant", "shaping"]
 

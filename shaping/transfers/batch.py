@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -137,7 +138,8 @@ def min_time_transfers(
 
     def some(part: slice) -> None:
         problems = begin[part], finish[part], bounds[part]
-        core.transfers(order, *problems, *(a[part] for a in (*times, statuses, counts)))
+        duration, inside = (each[part] for each in times)
+        core.transfers(order, *problems, duration, inside, statuses[part], counts[part])
 
     _in_threads(some, count)
     if (statuses == core.RANGE).any():
@@ -152,7 +154,7 @@ def _in_threads(work: Callable[[slice], None], count: int) -> None:
     """Do work on parts of `count` problems, on all processors where there are many."""
     parts = max(1, min(count // _SOME, _TASKS * (cpu_count() or 1)))
     edges = [count * i // parts for i in range(parts + 1)]
-    slices = [slice(i, j) for i, j in zip(edges, edges[1:], strict=False)]
+    slices = [slice(i, j) for i, j in itertools.pairwise(edges)]
     if parts == 1:
         work(slices[0])
         return

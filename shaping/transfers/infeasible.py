@@ -7,7 +7,6 @@ from math import isfinite, sqrt
 from ..derivatives import derivative_name
 from ..limits import Limits
 
-
 _ROUNDING = 16.0 * 2.0**-52
 
 

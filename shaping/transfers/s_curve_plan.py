@@ -203,7 +203,7 @@ def _slowing(
     rate, jerk = rates.deceleration, rates.deceleration_jerk
     bounds = (0.0, fastest, -rate, rate, -jerk, jerk)
     motion = core.transfer(begin, (target, final_velocity, 0.0), bounds) if fastest else 0
-    if isinstance(motion, int) or motion.inside_after > 0.0 and fastest == begin[1]:
+    if isinstance(motion, int) or (motion.inside_after > 0.0 and fastest == begin[1]):
         return None
     pieces = _pieces(motion)
     if max(max(row[2], row[2] + time * row[3]) for time, row in pieces) > ROUNDING * rate:

@@ -95,9 +95,9 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
 
 def _in_the_core(transfers: list[Transfer]) -> tuple[Transfer, ...] | None:
     """Return transfers as they were planned, slowed down to one duration; None for others."""
-    motions = tuple(vars(one).get("_motion") for one in transfers)
+    motions = tuple(vars(one)["_motion"] for one in transfers if "_motion" in vars(one))
     limits = [one.limits for one in transfers if one.limits is not None]
-    if None in motions or len(limits) < len(motions):
+    if not len(motions) == len(limits) == len(transfers):
         return None
     found = core.together(motions, tuple(each.flat for each in limits))
     if isinstance(found, int):

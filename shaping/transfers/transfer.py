@@ -57,7 +57,6 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     >>> round(min_time_transfer((0.0, 0.3), 1.0, limits).duration, 10)
     2.2319602829
     """
-
     try:
         motion = core.transfer(start, end, limits.flat)  # type: ignore[arg-type]
     except (AttributeError, TypeError, ValueError):  # told, or converted, below

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from fmus import SLOW, VERSIONS, Host, driven, fmu_of, needs_compiler, pointer
 
-from jounce.plant.fmu import export_fmu
 from jounce.shaping import CommandFollower, JerkFilter, Limits
 
 pytestmark = needs_compiler
