@@ -2,6 +2,7 @@
 
 import datetime
 import re
+from dataclasses import fields, is_dataclass
 from decimal import Decimal
 from fractions import Fraction
 
@@ -327,9 +328,11 @@ def _plain(result):
         return [_plain(part) for part in result]
     if isinstance(result, control.TimeResponseData):
         return _plain([result.time, result.outputs])
+    if is_dataclass(result):
+        return {field.name: _plain(getattr(result, field.name)) for field in fields(result)}
     if hasattr(result, "__dict__"):
-        fields = {name: value for name, value in vars(result).items() if name[0] != "_"}
-        return {name: _plain(value) for name, value in fields.items() if not callable(value)}
+        shown = {name: value for name, value in vars(result).items() if name[0] != "_"}
+        return {name: _plain(value) for name, value in shown.items() if not callable(value)}
     return result
 
 

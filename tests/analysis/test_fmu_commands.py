@@ -156,10 +156,9 @@ def test_a_wrong_export_is_refused(refused, options, words):
 
 
 def test_blocks_that_the_scenario_lacks_are_refused(refused, folder):
-    plain = ONE_MOVE.replace("filter =", "#").replace('"2 m/s^2"}', '"2 m/s^2", jerk = "9 m/s^3"}')
+    plain = ONE_MOVE.replace("filter =", "#")
     (folder / "plain.toml").write_text(plain, encoding="utf-8")
     assert "no [filter]" in refused("export", "plain.toml", "--block", "filter")
-    assert "order 3" in refused("export", "plain.toml", "--block", "follower")
     assert "no.toml" in refused("export", "no.toml", "--block", "filter")
 
 
