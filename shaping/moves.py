@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, isfinite
+from math import frexp, inf, isfinite, isinf, ldexp, log
 from sys import float_info
 from typing import Literal
+
+import numpy as np
 
 from .. import core
 from .checks import finite, positive, range_error, whole
@@ -16,6 +18,7 @@ from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
 
+_EXTREME = 200  # a power of two of a unit that is left as it is
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
 Method = Literal["optimal", "closed-form"]
@@ -301,10 +304,58 @@ def _move(
         return point(start, limits.order)
     forward = limits if distance > 0.0 else limits.mirror()
     _check_bounded(forward)
-    move = plan(abs(distance), forward)
+    move = _in_own_units(plan, abs(distance), _without_idle(abs(distance), forward))
     if distance < 0.0:
         move = move.mirror()
     return move.shift(start) if start else move
+
+
+def _in_own_units(
+    plan: Callable[[float, Limits], Trajectory], distance: float, limits: Limits
+) -> Trajectory:
+    """Return a move planned in units of its own, powers of two, where those given are extreme."""
+    n, length = limits.order, frexp(distance)[1]
+    time = (length - frexp(min(-limits.lower[-1], limits.upper[-1]))[1]) // n
+    if max(abs(length), abs(time)) <= _EXTREME:
+        return plan(distance, limits)
+
+    def scaled() -> Trajectory:
+        bounds = [
+            (ldexp(low, k * time - length), ldexp(high, k * time - length))
+            for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True), 1)
+        ]
+        if not all(low and high for low, high in bounds):
+            raise OverflowError
+        move = plan(ldexp(distance, -length), Limits.from_bounds(bounds))
+        powers = length - time * np.arange(n + 1)
+        return Trajectory.from_arrays(
+            np.ldexp(move.breaks, time),
+            np.ldexp(move.states, powers),
+            np.ldexp(move.durations, time),
+            np.ldexp(move.end_state, powers),
+        )
+
+    return within_range(scaled)
+
+
+def _without_idle(distance: float, limits: Limits) -> Limits:
+    """Return limits without those that can never bind: 2²⁰ times what the spline would reach.
+
+    The perfect spline within the highest bound D alone takes T = (c·R/D)^(1/n), and no derivative
+    k of a move passes D·T^(n−k); in logarithms, because the bounds may be as large as doubles go.
+    """
+    n = limits.order
+    highest = log(min(-limits.lower[-1], limits.upper[-1]))
+    duration = (log(distance) + log(spline_divisor(n)) - highest) / n
+
+    def kept(bound: float, k: int) -> bool:
+        return isinf(bound) or log(abs(bound)) <= highest + (n - k) * duration + 20.0 * log(2.0)
+
+    pairs = [
+        (low if kept(low, k) else -inf, high if kept(high, k) else inf)
+        for k, (low, high) in enumerate(zip(limits.lower[:-1], limits.upper, strict=False), 1)
+    ]
+    return Limits.from_bounds([*pairs, (limits.lower[-1], limits.upper[-1])])
 
 
 def _fastest(distance: float, limits: Limits) -> Trajectory:

@@ -1,7 +1,8 @@
 """min_time_move, perfect_spline and bound_for_rise_time from outside: identities and bounds."""
 
 import re
-from math import factorial, inf, nan
+from math import factorial, inf, log2, nan
+from sys import float_info
 
 import mpmath
 import numpy as np
@@ -395,13 +396,58 @@ def test_the_recursion_refuses_what_a_move_does():
     assert recursive_s_curve(0.0, Limits(snap=1.0), start=3.0).duration == 0.0
 
 
-# What is refused
+# Numbers at the ends of the doubles
+
+MOST = float_info.max
 
 
+@pytest.mark.parametrize("method", ["closed-form", "optimal"])
 @pytest.mark.parametrize("distance", [5e-324, 1e-310])
-def test_a_distance_with_too_few_digits_is_refused(distance):
-    with pytest.raises(ValueError, match="leaves the range of a double"):
-        min_time_move(distance, Limits(1.0, 2.0, 3.0, 4.0))
+def test_the_least_distances_are_moves_of_the_highest_bound_alone(distance, method):
+    move = min_time_move(distance, Limits(1.0, 2.0, 3.0, 4.0), method=method)
+    expected = 2.0 ** ((log2(384.0 / 4.0) + log2(distance)) / 4.0)
+    assert move.duration == pytest.approx(expected, rel=1e-12)
+    assert move(move.duration) == distance
+
+
+@pytest.mark.parametrize(
+    ("limits", "duration"),
+    [
+        (Limits(1e200, 1e200, 1e200, 1.0), 5.2642960518),
+        (Limits(MOST, MOST, MOST, 1.0), 5.2642960518),
+        (Limits(MOST, MOST, 1.0), 4.0),
+        (Limits(1.0, 1.0, MOST), 3.0),
+        (Limits(1.0, MOST, MOST), 2.0),
+    ],
+)
+def test_bounds_that_can_never_bind_are_none(limits, duration):
+    assert min_time_move(2.0, limits).duration == pytest.approx(duration, rel=1e-10)
+
+
+@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("exponent", [-220, 220])
+def test_units_far_from_one_change_nothing(order, exponent):
+    bounds = [1.0, 2.0, 5.0, 30.0, 200.0, 2000.0][:order]
+    unit = 10.0**exponent
+    move = min_time_move(3.0 * unit, Limits.from_bounds([bound * unit for bound in bounds]))
+    near = min_time_move(3.0, Limits.from_bounds(bounds))
+    assert move.duration == pytest.approx(near.duration, rel=1e-9)
+    assert move.end_state[0] == 3.0 * unit
+
+
+@pytest.mark.parametrize(
+    ("distance", "limits", "duration"),
+    [
+        (5e-324, Limits(1.0, (-2.0, 1.0), 1.0), 5.4e-108),
+        (0.1 + 0.2 - 0.3, Limits(1.0, (-2.0, 1.0), 1.7e308), 1.2905e-8),
+        (2e200, Limits((-2e200, 3e200), (-4e200, 5e200)), 1.3416407865),
+    ],
+)
+def test_searches_end(distance, limits, duration):
+    assert min_time_move(distance, limits).duration == pytest.approx(duration, rel=2e-2)
+
+
+# What is refused
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
