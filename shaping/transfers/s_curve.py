@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import inf
+from typing import Literal
 
 import numpy as np
 
@@ -27,6 +28,16 @@ class SCurveSettings:
     final_velocity: float = 0.0
     no_reversal: bool = False
     dt: float | None = None
+
+    def changed(self, *, final_velocity: float | None, **given: float | None) -> SCurveSettings:
+        """Return the settings with the rates and the final velocity that are given."""
+        jerks = given["acceleration_jerk"], given["deceleration_jerk"]
+        if self.rates.jerk_percent is not None:
+            _check_no_jerk(*jerks, self.rates.jerk_percent)
+        new = {name: positive(name, value) for name, value in given.items() if value is not None}
+        rates = replace(self.rates, **new)  # type: ignore[arg-type]
+        final = self.final_velocity if final_velocity is None else final_velocity
+        return replace(self, rates=rates, final_velocity=_final(final, rates))
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -50,6 +61,7 @@ class SCurveMove(Trajectory):
         time: float,
         *,
         target: float | None = None,
+        relative: bool = False,
         velocity: float | None = None,
         acceleration: float | None = None,
         deceleration: float | None = None,
@@ -64,7 +76,9 @@ class SCurveMove(Trajectory):
         time : float
             Before its start it waits, after its end it coasts.
         target : float, optional
-            New position, absolute. What is left out stays as it was.
+            New position: absolute, or from the old target where `relative`. What is left out stays
+            as it was.
+        relative : bool, optional
         velocity, acceleration, deceleration, acceleration_jerk, deceleration_jerk : float, optional
         final_velocity : float, optional
             As in `s_curve_move`.
@@ -81,29 +95,33 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        known, time = self._known(), finite("time", time)
+        settings, time = self._known(), finite("time", time)
         before = _waiting(self, time) if time < self.start_time else self.until(time)
-        given = {
-            "velocity": velocity,
-            "acceleration": acceleration,
-            "deceleration": deceleration,
-            "acceleration_jerk": acceleration_jerk,
-            "deceleration_jerk": deceleration_jerk,
-        }
-        if known.rates.jerk_percent is not None:
-            _check_no_jerk(acceleration_jerk, deceleration_jerk, known.rates.jerk_percent)
-        changes = {name: positive(name, v) for name, v in given.items() if v is not None}
-        rates = replace(known.rates, **changes)
-        if final_velocity is None:
-            final_velocity = known.final_velocity
-        settings = replace(known, rates=rates, final_velocity=_final(final_velocity, rates))
-        goal = float(self.end_state[0]) if target is None else finite("target", target)
-        x, v, a = before.end_state[:3].tolist()
-        plan = _planned((x, v, a), goal, settings)
-        return _as_move(_spliced(before, plan), plan, settings)
+        settings = settings.changed(
+            velocity=velocity,
+            acceleration=acceleration,
+            deceleration=deceleration,
+            acceleration_jerk=acceleration_jerk,
+            deceleration_jerk=deceleration_jerk,
+            final_velocity=final_velocity,
+        )
+        return self._onward(before, 0.0 if target is None else target, settings,
+                            relative or target is None)  # fmt: skip
 
-    def append(self, target: float, *, relative: bool = False, delay: float = 0.0) -> SCurveMove:
-        """Return this move and another one with the same settings behind it.
+    def append(
+        self,
+        target: float,
+        *,
+        relative: bool = False,
+        delay: float = 0.0,
+        velocity: float | None = None,
+        acceleration: float | None = None,
+        deceleration: float | None = None,
+        acceleration_jerk: float | None = None,
+        deceleration_jerk: float | None = None,
+        final_velocity: float | None = None,
+    ) -> SCurveMove:
+        """Return this move and another one behind it.
 
         Parameters
         ----------
@@ -112,13 +130,29 @@ class SCurveMove(Trajectory):
         relative : bool, optional
         delay : float, optional
             Time in between, coasting at this move's final velocity.
+        velocity, acceleration, deceleration, acceleration_jerk, deceleration_jerk : float, optional
+        final_velocity : float, optional
+            As in `s_curve_move`; what is left out stays as it was.
         """
+        settings = self._known().changed(
+            velocity=velocity,
+            acceleration=acceleration,
+            deceleration=deceleration,
+            acceleration_jerk=acceleration_jerk,
+            deceleration_jerk=deceleration_jerk,
+            final_velocity=final_velocity,
+        )
+        before = self.until(self.end_time + _delay(delay))
+        return self._onward(before, target, settings, relative)
+
+    def _onward(
+        self, before: Trajectory, target: float, settings: SCurveSettings, relative: bool
+    ) -> SCurveMove:
+        """Return a motion and a new plan behind it."""
         goal = finite("target", target) + (float(self.end_state[0]) if relative else 0.0)
-        delay = _delay(delay)
-        known, before = self._known(), self.until(self.end_time + delay)
         x, v, a = before.end_state[:3].tolist()
-        plan = _planned((x, v, a), goal, known)
-        return _as_move(_spliced(before, plan), plan, known)
+        plan = _planned((x, v, a), goal, settings)
+        return _as_move(_spliced(before, plan), plan, settings)
 
     def _known(self) -> SCurveSettings:
         if self.settings is None:
@@ -135,6 +169,7 @@ def s_curve_move(
     acceleration_jerk: float | None = None,
     deceleration_jerk: float | None = None,
     jerk_percent: float | None = None,
+    percent_keeps: Literal["duration", "acceleration"] = "duration",
     start: State = 0.0,
     final_velocity: float = 0.0,
     relative: bool = False,
@@ -158,6 +193,10 @@ def s_curve_move(
         In place of jerks: p from 0 to 1 (0.5 is 50 %). The duration is the trapezoid's; the
         jerk acts in p/2 of each ramp at either end, and the peak acceleration rises to
         A/(1 − p/2).
+    percent_keeps : "duration" or "acceleration", optional
+        What a jerk percent leaves as it is: the trapezoid's duration (default), or the
+        acceleration, which then is a maximum never exceeded: each ramp takes 1/(1 − p/2) times as
+        long, so that moves are the quicker the smaller the percentage.
     start : (position, velocity, acceleration), optional
         Numbers left out are zero.
     final_velocity : float, optional
@@ -205,6 +244,11 @@ def s_curve_move(
     rates = _rates(
         velocity, acceleration, deceleration, acceleration_jerk, deceleration_jerk, jerk_percent
     )
+    if percent_keeps not in ("duration", "acceleration"):
+        raise ValueError(
+            f"percent_keeps = {percent_keeps!r}: expected 'duration' or 'acceleration'"
+        )
+    rates = replace(rates, percent_keeps_peak=percent_keeps == "acceleration")
     if dt is not None:
         dt = positive("dt", dt)
     delay = _delay(delay)

@@ -33,7 +33,7 @@ class Rates:
 
     With a jerk percent p the jerks are not used: every ramp lasts as long as at constant
     acceleration A, and its jerk acts in p/2 of it at either end; so its peak acceleration is
-    A/(1 − p/2).
+    A/(1 − p/2); or, `percent_keeps_peak`, ramps last 1/(1 − p/2) times as long, and A is the peak.
     """
 
     velocity: float
@@ -42,6 +42,7 @@ class Rates:
     acceleration_jerk: float
     deceleration_jerk: float
     jerk_percent: float | None = None
+    percent_keeps_peak: bool = False
 
 
 def plan_move(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
@@ -289,6 +290,8 @@ def _percent_leg(x: float, v: float, velocity: float, rates: Rates, percent: flo
     duration = abs(change) / (rates.acceleration if speeding else rates.deceleration)
     if not duration:
         raise OverflowError
+    if rates.percent_keeps_peak:
+        duration /= 1.0 - 0.5 * percent
     curved, straight = 0.5 * percent * duration, (1.0 - percent) * duration
     peak = change / duration / (1.0 - 0.5 * percent)
     held = (x, v, peak, 0.0)

@@ -281,3 +281,71 @@ def test_other_wrong_values_are_named(changes, message):
 def test_what_is_no_number_is_refused(name):
     with pytest.raises(TypeError, match=rf"^{name}.* = 'fast': expected a number.*, not str$"):
         go(**{name: "fast"})
+
+
+# What modify and append may change, and what a jerk percent keeps
+
+
+@pytest.mark.parametrize("percent", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("distance", [0.5, 20.0])
+def test_a_percent_that_keeps_the_acceleration_never_passes_it(percent, distance):
+    """Ramps take Δv/A/(1 − p/2): by hand, for a move with a cruise and for one without."""
+    move = s_curve_move(
+        distance,
+        velocity=4.0,
+        acceleration=8.0,
+        jerk_percent=percent,
+        percent_keeps="acceleration",
+    )
+    assert move.peak("acceleration") == pytest.approx(8.0, rel=1e-12)
+    slower = 1.0 / (1.0 - 0.5 * percent)
+    ramp = 4.0 / 8.0 * slower
+    if distance >= 4.0 * ramp:
+        assert move.duration == pytest.approx(distance / 4.0 + ramp, rel=1e-12)
+    else:  # v²·slower/A = distance
+        velocity = (8.0 * distance / slower) ** 0.5
+        assert move.duration == pytest.approx(2.0 * velocity / 8.0 * slower, rel=1e-12)
+
+
+def test_the_smaller_the_percentage_the_quicker_a_move_that_keeps_the_acceleration():
+    durations = [
+        s_curve_move(
+            0.5,
+            velocity=4.0,
+            acceleration=8.0,
+            jerk_percent=percent,
+            percent_keeps="acceleration",
+        ).duration
+        for percent in (0.0, 0.2, 0.5, 1.0)
+    ]
+    assert durations == sorted(durations)
+    assert durations[0] < durations[-1]
+    with pytest.raises(ValueError, match="percent_keeps = 'jerk': expected 'duration' or"):
+        s_curve_move(1, velocity=1, acceleration=1, jerk_percent=0.5, percent_keeps="jerk")
+
+
+def test_a_relative_modification_is_one_of_the_target():
+    move = s_curve_move(10.0, velocity=4.0, acceleration=8.0, acceleration_jerk=40.0)
+    further = move.modify(0.5, target=2.5, relative=True)
+    same = move.modify(0.5, target=12.5)
+    assert further.states.tolist() == same.states.tolist()
+    stays = move.modify(0.5, velocity=2.0, relative=True)
+    assert stays.end_state[0] == 10.0
+
+
+def test_what_is_appended_has_rates_of_its_own_if_it_is_given_some():
+    first = s_curve_move(10.0, velocity=4.0, acceleration=8.0, acceleration_jerk=40.0)
+    both = first.append(5.0, relative=True, velocity=1.0, deceleration=2.0, final_velocity=0.5)
+    alone = s_curve_move(
+        15.0,
+        start=10.0,
+        velocity=1.0,
+        acceleration=8.0,
+        deceleration=2.0,
+        acceleration_jerk=40.0,
+        final_velocity=0.5,
+    )
+    assert both.duration - first.duration == pytest.approx(alone.duration, rel=1e-12)
+    assert both.end_state[:2].tolist() == [15.0, 0.5]
+    with pytest.raises(ValueError, match="final_velocity = 2.0: expected at most the velocity"):
+        first.append(5.0, velocity=1.0, final_velocity=2.0)
