@@ -6,16 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import finite, in_range, positive, whole
+from .checks import finite, in_range, of_kind, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .evaluation import MAX_SAMPLES, Evaluator
 from .frozen import Frozen
-from .limits import Limits
+from .limits import Limits, checked_limits
 from .pieces import FloatArray, advance, evaluate, extrema
 from .real_numbers import real_number
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -245,7 +245,7 @@ class Trajectory(Frozen):
         derivative that jumps (beyond n, or where a lower one is discontinuous) is not seen.
         """
         excess = 0.0
-        for k in range(1, limits.order + 1):
+        for k in range(1, checked_limits(limits).order + 1):
             low, high = self.extremes(k)
             lower, upper = limits.bounds(k)
             excess = max(excess, high / upper - 1.0, low / lower - 1.0)
@@ -280,11 +280,12 @@ class Trajectory(Frozen):
                 return k
         return self.order
 
-    def derivative(self, k: int = 1) -> Trajectory:
-        """Return derivative k as a trajectory of its own, 1 ≤ k < n.
+    def derivative(self, k: int | str = 1) -> Trajectory:
+        """Return derivative k, by number or name, as a trajectory of its own, 1 ≤ k < n.
 
         Outside [start, end] it stays the derivative of the coasting motion.
         """
+        k = k if type(k) is int else derivative_number(k)
         if not 1 <= k < self.order:
             raise ValueError(
                 f"derivative {k} of a trajectory of order {self.order}: expected 1 to n − 1 (the "
@@ -405,7 +406,7 @@ class Trajectory(Frozen):
         dwell = real_number("dwell", dwell)
         if not 0.0 <= dwell < np.inf:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
-        n = max(self.order, following.order)
+        n = max(self.order, checked_trajectory(following, "following").order)
         if dwell > 0.0:
             waiting = np.zeros((1, n + 1))
             waiting[0, : self.coasting + 1] = self.end_state[: self.coasting + 1]
@@ -514,6 +515,11 @@ def _check_joint(first: Trajectory, second: Trajectory) -> None:
                 f"{derivative_name(k)} would jump from {end:g} to {start:g} at the joint: let "
                 f"the second motion start at {end:g}"
             )
+
+
+def checked_trajectory(trajectory: Any, name: str = "trajectory") -> Trajectory:
+    """Return a trajectory, known to the caller by a name; TypeError for anything else."""
+    return of_kind(name, trajectory, Trajectory, "a Trajectory, as min_time_move gives")
 
 
 def within_range(plan: Callable[[], Trajectory]) -> Trajectory:
