@@ -312,7 +312,9 @@ class Trajectory(Frozen):
     def scale(self, factor: float) -> Trajectory:
         """Return the motion with position and all derivatives multiplied by `factor`."""
         factor = finite("factor", factor)
-        return self._with(self.breaks, self.states * factor, self.end_state * factor)
+        with np.errstate(over="ignore"):  # which is refused below
+            states, end_state = self.states * factor, self.end_state * factor
+        return self._with(self.breaks, states, end_state)
 
     def mirror(self) -> Trajectory:
         """Return the motion reflected in position, x → −x."""
@@ -321,15 +323,12 @@ class Trajectory(Frozen):
     def stretch(self, factor: float) -> Trajectory:
         """Return the motion slowed down `factor` times: x(t) → x(t / factor), start kept."""
         factor = positive("factor", factor)
-        slower = factor ** -np.arange(self.order + 1.0)
-        breaks = self.start_time + factor * (self.breaks - self.start_time)
-        return Trajectory(
-            breaks,
-            self.states * slower,
-            self.durations * factor,
-            self.end_state * slower,
-            self.coasting,
-        )
+        with np.errstate(over="ignore", invalid="ignore"):  # which is refused below
+            slower = factor ** -np.arange(self.order + 1.0)
+            breaks = self.start_time + factor * (self.breaks - self.start_time)
+            states, end_state = self.states * slower, self.end_state * slower
+            durations = self.durations * factor
+        return Trajectory(breaks, states, durations, end_state, self.coasting)
 
     def reverse(self) -> Trajectory:
         """Return the motion run backwards over the same time interval."""
@@ -448,7 +447,8 @@ class Trajectory(Frozen):
         -------
         Figure
             As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
-            empty, else a new one of pyplot's.
+            empty, else a new one of pyplot's. A notebook shows pyplot's figures by itself: end
+            the last line of a cell with a semicolon, or it shows this one twice.
 
         Raises
         ------

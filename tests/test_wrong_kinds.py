@@ -44,6 +44,7 @@ from jounce.shaping import (
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
 MOVE = min_time_move(3.0, LIMITS)
+LAST = min_time_move(-100.0, LIMITS)
 FILTER = JerkFilter(2.0, 3)
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0))
 LAG = Inertia(1.0).system()
@@ -197,3 +198,16 @@ def test_bounds_of_every_list_mean_the_same():
     assert {Limits.from_bounds(each) for each in (bounds, *same)} == {Limits(1.0, 2.5)}
     pairs = [[-1.0, 2.0], [-3.0, 4.0]]
     assert Limits.from_bounds(np.array(pairs)) == Limits.from_bounds(pairs)
+
+
+@pytest.mark.parametrize("motion", [MOVE, MOVE.reverse().shift(2.0), LAST], ids=str)
+def test_factors_beyond_the_range_of_a_double_are_refused_without_a_warning(motion):
+    for call, factor in (
+        (motion.scale, 1.7e308),
+        (motion.stretch, 1e-300),
+        (motion.stretch, 5e-324),
+    ):
+        with pytest.raises(
+            ValueError, match=r"^[^\n]*(range of a double|must be finite|take time)"
+        ):
+            call(factor)
