@@ -84,3 +84,7 @@ def __getattr__(name: str) -> object:
     if name != "plots":  # imported when it is first asked for
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return import_module(".plots", __name__)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -35,3 +35,7 @@ def __getattr__(name: str) -> object:
     if name != "fmu":  # imported when it is first asked for
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return import_module(".fmu", __name__)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

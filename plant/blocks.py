@@ -8,6 +8,7 @@ import numpy as np
 
 from ..shaping import JerkFilter
 from ..shaping.checks import whole
+from ..shaping.jerk_filter import checked_filter
 
 if TYPE_CHECKING:
     import control
@@ -30,7 +31,7 @@ def filter_system(jerk_filter: JerkFilter, *, derivatives: int = 0) -> control.S
     """
     import control
 
-    m = jerk_filter.order
+    m = checked_filter(jerk_filter).order
     derivatives = whole("derivatives", derivatives, 0, m - 1)
     a, b = jerk_filter.state_space()
     rows = [np.eye(m)[-1]]

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
-from ..shaping.checks import finite, positive
+from ..shaping.checks import finite, one_of, positive
 
 if TYPE_CHECKING:
     import control
@@ -90,8 +90,7 @@ class FlexibleInertia:
                 f"load_fraction = {self.load_fraction!r}: expected the load's share of J, between "
                 "0 and 1 (both excluded); without a load use Inertia"
             )
-        if self.sensor not in ("motor", "load"):
-            raise ValueError(f"sensor = {self.sensor!r}: expected 'motor' or 'load'")
+        one_of("sensor", self.sensor, ("motor", "load"))
         stiffness = self._omega * self._omega
         motor = (1.0 - self.load_fraction) * self.J
         if not (

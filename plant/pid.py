@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..shaping.checks import finite, positive
+from ..shaping.checks import finite, one_of, positive
 from .inertia import Inertia
 from .linear_system import linear_system
 
@@ -111,8 +111,7 @@ class PID:
         6.5
         """
         dt = positive("dt", dt)
-        if rate not in ("measured", "differenced"):
-            raise ValueError(f"rate = {rate!r}: expected 'measured' or 'differenced'")
+        one_of("rate", rate, ("measured", "differenced"))
         measured = rate == "measured"
         slope = 0.0 if measured else self.kr / dt
         direct = self.kp + self.ki * dt + slope

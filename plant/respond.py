@@ -13,7 +13,8 @@ from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_number
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
-from ..shaping.real_numbers import real_array
+from ..shaping.real_numbers import real_array, shown
+from ..shaping.trajectory import checked_trajectory
 from .linear_system import static_gain
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def respond(
             f"{len(numbers)} derivatives for a system with {plant.ninputs} inputs "
             f"({', '.join(plant.input_labels)}): give one derivative of the trajectory per input"
         )
-    check_fed(trajectory, numbers)
+    check_fed(checked_trajectory(trajectory), numbers)
     dt = positive("dt", dt)
     _check_timebase(plant, dt)
     time, states, inputs, outputs = respond_on_grid(
@@ -204,7 +205,7 @@ def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:
     state = real_array("initial_state", initial)
     if state.shape != (plant.nstates,) or not np.isfinite(state).all():
         raise ValueError(
-            f"initial_state {initial!r}: expected {plant.nstates} finite numbers, "
+            f"initial_state {shown(initial)}: expected {plant.nstates} finite numbers, "
             f"for {', '.join(plant.state_labels)}"
         )
     return state

@@ -11,8 +11,11 @@ import numpy as np
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import finite, positive
 from ..shaping.frozen import Frozen
+from ..shaping.jerk_filter import checked_filter
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
+from ..shaping.real_numbers import shown
+from ..shaping.trajectory import checked_trajectory
 from .feedforward import InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
@@ -126,7 +129,7 @@ class ServoLoop(Frozen):
         ):
             if not isinstance(block, kinds):
                 expected = " or ".join(kind.__name__ for kind in kinds)
-                raise TypeError(f"{name} = {block!r}: expected {expected}")
+                raise TypeError(f"{name} = {shown(block)}: expected {expected}")
 
     def loop_transfer(self) -> control.TransferFunction:
         """Return L(s) = g·k, the open loop from e to y."""
@@ -254,12 +257,12 @@ class ServoLoop(Frozen):
             acceleration), or a dt or duration that is not positive.
         """
         if jerk_filter is None:
-            check_fed(trajectory, (0, 1, 2))
-        start = float(trajectory.start_state[0])
+            check_fed(checked_trajectory(trajectory), (0, 1, 2))
+        start = float(checked_trajectory(trajectory).start_state[0])
         moved = trajectory.shift(-start)
         system, fed, initial, behind = self.system(), 3, np.zeros(self.system().nstates), None
         if jerk_filter is not None:
-            behind = _filter_outputs(jerk_filter, moved)
+            behind = _filter_outputs(checked_filter(jerk_filter), moved)
             system, fed, initial = _behind_filter(system, jerk_filter, moved, behind)
         time, states, inputs, outputs = respond_on_grid(
             system, range(fed), moved, positive("dt", dt), duration, initial

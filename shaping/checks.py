@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from math import inf, isfinite
 from operator import index
 from typing import Any, TypeVar
@@ -11,6 +11,7 @@ import numpy as np
 
 from .real_numbers import real_array, real_number, shown
 
+_Noun = TypeVar("_Noun")
 _Result = TypeVar("_Result")
 
 
@@ -49,14 +50,40 @@ def range_error() -> ValueError:
     )
 
 
+def of_kind(name: str, value: Any, kind: type[_Noun], expected: str) -> _Noun:
+    """Return `value`; TypeError unless it is of a kind, which `expected` says in words."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} = {shown(value)}: expected {expected}")
+    return value
+
+
+def one_of(name: str, value: Any, choices: tuple[str, ...]) -> None:
+    """Refuse what is not one of two or more words: ValueError."""
+    if not isinstance(value, str) or value not in choices:
+        words = [repr(choice) for choice in choices]
+        told = f"{', '.join(words[:-1])} or {words[-1]}"
+        raise ValueError(f"{name} = {shown(value)}: expected {told}")
+
+
 def state_numbers(name: str, given: Any) -> list[Any]:
     """Return the numbers that a state is given by, unchecked; one alone is a position."""
-    if isinstance(given, tuple | list):
-        return list(given)
     if isinstance(given, str) or not isinstance(given, Iterable):
         return [given]
-    numbers: list[Any] = np.atleast_1d(real_array(name, given)).tolist()
-    return numbers
+    return entries(name, given if isinstance(given, list | tuple) else real_array(name, given))
+
+
+def entries(name: str, given: Iterable[Any]) -> list[Any]:
+    """Return what a list, an iterator or an array of real numbers holds, in order.
+
+    Raises
+    ------
+    TypeError
+        For another iterable, of which the names or an order of its own would be taken.
+    """
+    if isinstance(given, list | tuple | Iterator):
+        return list(given)
+    held: list[Any] = np.atleast_1d(real_array(name, given)).tolist()
+    return held
 
 
 def in_range(plan: Callable[[], _Result]) -> _Result:

@@ -33,6 +33,8 @@ def derivative_number(derivative: int | str) -> int:
             )
         return DERIVATIVE_NAMES.index(derivative)
     try:
+        if isinstance(derivative, bool):
+            raise TypeError
         number = index(derivative)
     except TypeError:
         raise TypeError(

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import comb, log, pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import positive, whole
+from .checks import of_kind, positive, whole
+from .derivatives import derivative_number
 from .pieces import FloatArray
 from .propagate import grid, inputs_on_grid, propagate
 from .real_numbers import real_array, real_number
-from .trajectory import Trajectory
+from .trajectory import Trajectory, checked_trajectory
 
 MAX_FILTER_ORDER = 50
 """Highest filter order accepted."""
@@ -101,10 +103,11 @@ class JerkFilter:
         b[0, 0] = self.omega
         return a, b
 
-    def steady_state(self, trajectory: Trajectory, derivative: int = 0) -> FloatArray:
+    def steady_state(self, trajectory: Trajectory, derivative: int | str = 0) -> FloatArray:
         """Return z, shape (m,), after derivative k of a trajectory has coasted in for ever."""
-        coasting = (*trajectory.coasting_in(), 0.0)
-        level, slope = coasting[derivative : derivative + 2] if derivative < 2 else (0.0, 0.0)
+        k = derivative_number(derivative)
+        coasting = (*checked_trajectory(trajectory).coasting_in(), 0.0)
+        level, slope = coasting[k : k + 2] if k < 2 else (0.0, 0.0)
         return np.asarray(level - slope * np.arange(1, self.order + 1) / self.omega)
 
     def respond(
@@ -138,7 +141,7 @@ class JerkFilter:
         with ωT of 1e4 behind moves that start 100 T late, where the rounding of the break times
         shows.
         """
-        dt = positive("dt", dt)
+        dt, trajectory = positive("dt", dt), checked_trajectory(trajectory)
         if duration is None:
             duration = trajectory.duration + self.settling_time(1e-6)
         time = grid(trajectory.start_time, positive("duration", duration), dt)
@@ -180,6 +183,11 @@ class JerkFilter:
 
     def derivative_weights(self, k: int) -> FloatArray:
         """Return w (m + 1,): derivative k ≤ m of the output is w·[command, lag 1, …, lag m]."""
-        weights = np.zeros(self.order + 1)
+        k, weights = whole("k", k, 0, self.order), np.zeros(self.order + 1)
         weights[self.order - k :] = [(-1.0) ** i * comb(k, i) for i in range(k + 1)]
         return weights * np.float64(self.omega) ** k
+
+
+def checked_filter(jerk_filter: Any) -> JerkFilter:
+    """Return a jerk filter; TypeError for anything else."""
+    return of_kind("jerk_filter", jerk_filter, JerkFilter, "a JerkFilter")

@@ -6,10 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isinf
+from typing import Any
 
 import numpy as np
 
 from .. import core
+from .checks import entries, of_kind
 from .derivatives import derivative_name, derivative_number
 from .real_numbers import real_array, shown
 
@@ -76,10 +78,11 @@ class Limits:
         Parameters
         ----------
         bounds : iterable of float, (float, float) or None
-            Bound on derivative 1, 2, 3, …; as in `Limits`.
+            Bound on derivative 1, 2, 3, …; as in `Limits`. An array has one bound or one pair a
+            row.
         """
         limits = object.__new__(cls)
-        limits._set(tuple(bounds))
+        limits._set(tuple(entries("bounds", bounds)))
         return limits
 
     def _set(self, bounds: tuple[Bound | None, ...]) -> None:
@@ -132,6 +135,11 @@ class Limits:
             if bound is not None
         ]
         return f"Limits({', '.join(named)})"
+
+
+def checked_limits(limits: Any) -> Limits:
+    """Return limits; TypeError for anything else."""
+    return of_kind("limits", limits, Limits, "Limits, such as Limits(acceleration=1.0)")
 
 
 def _pair(bound: Bound | None, k: int) -> tuple[float, float]:

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 
 from .. import core
-from .checks import finite, positive, range_error, whole
+from .checks import finite, one_of, positive, range_error, whole
 from .closed_form import chain_plan, fastest_plan
 from .derivatives import derivative_name
-from .limits import Limits
+from .limits import Limits, checked_limits
 from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
@@ -104,8 +104,7 @@ def min_time_move(
     >>> move.peak("jerk")
     1.0
     """
-    if method not in ("optimal", "closed-form"):
-        raise ValueError(f"method = {method!r}: expected 'optimal' or 'closed-form'")
+    one_of("method", method, ("optimal", "closed-form"))
     try:
         motion = core.move(distance, limits.flat, start)
     except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
@@ -293,9 +292,7 @@ def _move(
 ) -> Trajectory:
     """Return a move in either direction, planned in the positive one, after checks."""
     distance, start = finite("distance", distance), finite("start", start)
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
-    if limits.order > MAX_MOVE_ORDER:
+    if checked_limits(limits).order > MAX_MOVE_ORDER:
         raise ValueError(
             f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
             "drop the highest bounds or use perfect_spline"

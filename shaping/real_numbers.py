@@ -107,7 +107,7 @@ def _check_each(values: Iterable[Any]) -> None:
 
 def _is_real(value: Any) -> bool:
     """Tell whether one thing is a number or an array of numbers."""
-    if _is_measured(value) or _is_table(value) or _is_masked(value):
+    if _is_measured(value) or _is_table(value) or _is_masked(value) or _is_named(value):
         return False
     if isinstance(value, Real | Decimal) and not isinstance(value, np.generic):
         return not isinstance(value, bool)  # np.generic: a timedelta64 says that it is real
@@ -133,6 +133,11 @@ def _is_table(value: Any) -> bool:
 
 def _is_masked(value: Any) -> bool:
     return isinstance(value, np.ndarray) and bool(np.any(getattr(value, "mask", False)))
+
+
+def _is_named(value: Any) -> bool:
+    """Tell whether numbers are but the names of categories."""
+    return hasattr(getattr(value, "dtype", None), "categories")
 
 
 def _kind(value: Any) -> str:

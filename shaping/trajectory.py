@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from .checks import finite, in_range, positive, whole
+from .checks import finite, in_range, of_kind, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
-from .limits import Limits
+from .limits import Limits, checked_limits
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
 from .real_numbers import real_array, real_number
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -269,7 +269,7 @@ class Trajectory(Frozen):
         derivative that jumps (beyond n, or where a lower one is discontinuous) is not seen.
         """
         excess = 0.0
-        for k in range(1, limits.order + 1):
+        for k in range(1, checked_limits(limits).order + 1):
             low, high = self.extremes(k)
             lower, upper = limits.bounds(k)
             excess = max(excess, high / upper - 1.0, low / lower - 1.0)
@@ -304,11 +304,12 @@ class Trajectory(Frozen):
                 return k
         return self.order
 
-    def derivative(self, k: int = 1) -> Trajectory:
-        """Return derivative k as a trajectory of its own, 1 ≤ k < n.
+    def derivative(self, k: int | str = 1) -> Trajectory:
+        """Return derivative k, by number or name, as a trajectory of its own, 1 ≤ k < n.
 
         Outside [start, end] it stays the derivative of the coasting motion.
         """
+        k = k if type(k) is int else derivative_number(k)
         if not 1 <= k < self.order:
             raise ValueError(
                 f"derivative {k} of a trajectory of order {self.order}: expected 1 to n − 1 (the "
@@ -335,7 +336,9 @@ class Trajectory(Frozen):
     def scale(self, factor: float) -> Trajectory:
         """Return the motion with position and all derivatives multiplied by `factor`."""
         factor = finite("factor", factor)
-        return self._with(self.breaks, self.states * factor, self.end_state * factor)
+        with np.errstate(over="ignore"):  # which is refused below
+            states, end_state = self.states * factor, self.end_state * factor
+        return self._with(self.breaks, states, end_state)
 
     def mirror(self) -> Trajectory:
         """Return the motion reflected in position, x → −x."""
@@ -344,15 +347,12 @@ class Trajectory(Frozen):
     def stretch(self, factor: float) -> Trajectory:
         """Return the motion slowed down `factor` times: x(t) → x(t / factor), start kept."""
         factor = positive("factor", factor)
-        slower = factor ** -np.arange(self.order + 1.0)
-        breaks = self.start_time + factor * (self.breaks - self.start_time)
-        return Trajectory(
-            breaks,
-            self.states * slower,
-            self.durations * factor,
-            self.end_state * slower,
-            self.coasting,
-        )
+        with np.errstate(over="ignore", invalid="ignore"):  # which is refused below
+            slower = factor ** -np.arange(self.order + 1.0)
+            breaks = self.start_time + factor * (self.breaks - self.start_time)
+            states, end_state = self.states * slower, self.end_state * slower
+            durations = self.durations * factor
+        return Trajectory(breaks, states, durations, end_state, self.coasting)
 
     def reverse(self) -> Trajectory:
         """Return the motion run backwards over the same time interval."""
@@ -429,7 +429,7 @@ class Trajectory(Frozen):
         dwell = real_number("dwell", dwell)
         if not 0.0 <= dwell < np.inf:
             raise ValueError(f"dwell = {dwell!r}: expected a finite time ≥ 0")
-        n = max(self.order, following.order)
+        n = max(self.order, checked_trajectory(following, "following").order)
         if dwell > 0.0:
             waiting = np.zeros((1, n + 1))
             waiting[0, : self.coasting + 1] = self.end_state[: self.coasting + 1]
@@ -471,7 +471,8 @@ class Trajectory(Frozen):
         -------
         Figure
             As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
-            empty, else a new one of pyplot's.
+            empty, else a new one of pyplot's. A notebook shows pyplot's figures by itself: end
+            the last line of a cell with a semicolon, or it shows this one twice.
 
         Raises
         ------
@@ -541,6 +542,11 @@ def _check_joint(first: Trajectory, second: Trajectory) -> None:
                 f"{derivative_name(k)} would jump from {end:g} to {start:g} at the joint: let "
                 f"the second motion start at {end:g}"
             )
+
+
+def checked_trajectory(trajectory: Any, name: str = "trajectory") -> Trajectory:
+    """Return a trajectory, known to the caller by a name; TypeError for anything else."""
+    return of_kind(name, trajectory, Trajectory, "a Trajectory, as min_time_move gives")
 
 
 def within_range(plan: Callable[[], Trajectory]) -> Trajectory:

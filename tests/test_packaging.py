@@ -79,6 +79,12 @@ def test_names_of_jounce():
         _ = jounce.shapping
 
 
+@pytest.mark.parametrize("name", [*PACKAGES, "plant.fmu"])
+def test_names_that_are_loaded_later_are_listed_for_completion(name, tmp_path):
+    code = f"import jounce.{name} as it; assert dir(it) == sorted(it.__all__), dir(it)"
+    python("-c", code, cwd=tmp_path)
+
+
 def test_the_version_stands_once(tmp_path):
     asked = [("-c", "import jounce; print(jounce.__version__)"), ("-c", COMMAND, "--version")]
     printed = [python(*arguments, cwd=tmp_path) for arguments in asked]

@@ -279,6 +279,8 @@ NO_ARRAYS = {
     "timedeltas": [SECOND, SECOND],
     "array of timedeltas": np.array([SECOND, 2 * SECOND]),
     "Series of timedeltas": pd.Series(pd.to_timedelta([1, 2], unit="s")),
+    "Series of categories": pd.Series([0.5, 1.0], dtype="category"),
+    "categories": pd.Categorical([0.5, 1.0]),
     "Series of texts": pd.Series(["0.5", "1.0"]),
     "Series of dates": pd.Series(pd.to_datetime(["2026-01-01", "2026-01-02"])),
     "quantities": pint.UnitRegistry().Quantity([0.5, 1.0], "mm"),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
-from ...shaping.checks import finite, positive
+from ...shaping.checks import finite, of_kind, positive
 from ...shaping.derivatives import derivative_name, derivative_number
 from .bands import RESOLVED, Band, extent, joint_band, upper_end_holds
 from .fit import fit_spline
@@ -237,8 +237,7 @@ def conformance(
     >>> [peak.verdict for peak in report.peaks]
     ['kept', 'broken', 'cannot tell']
     """
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(velocity=2.0)")
+    of_kind("limits", limits, Limits, "Limits, such as Limits(velocity=2.0)")
     time, position = checked_log(times, positions)
     given = found_resolution(position) if resolution is None else positive("resolution", resolution)
     if not given and not np.ptp(position):

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from ...plant import PID, Inertia
+from ...shaping.checks import of_kind
 from ...shaping.frozen import Frozen
 from ...shaping.trajectory_checks import finite_array
 from .batched_crossings import pieces_of, stable
@@ -229,8 +230,7 @@ def servo_margins(
            [45. , 27. ],
            [21.8, 10.7]])
     """
-    if not isinstance(controller, PID):
-        raise TypeError(f"controller = {controller!r}: expected a PID")
+    of_kind("controller", controller, PID, "a PID")
     given = inertia.J if isinstance(inertia, Inertia) else inertia
     moments, gains = finite_array("inertia", given), finite_array("gain", gain)
     _refuse("inertia", moments, moments <= 0.0, "expected positive inertias")

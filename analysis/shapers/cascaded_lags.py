@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Trajectory
+from ...shaping.checks import one_of
 from ...shaping.trajectory_checks import finite_array
 from .frequency import FrequencyResponse, corner_omega, frequency_response
 from .spectrum import move_distance
@@ -129,8 +130,7 @@ def cascaded_lags(
     >>> cascaded_lags(move, [1.0])
     CascadedLags([1, 0.25], error_to_corner_db=-1.99)
     """
-    if match not in ("delay", "rates"):
-        raise ValueError(f"match = {match!r}: expected 'delay' or 'rates'")
+    one_of("match", match, ("delay", "rates"))
     frequencies = np.atleast_1d(finite_array("omega", omega))
     distance = abs(move_distance(trajectory))
     peaks = [distance, *(trajectory.peak(k) for k in range(1, trajectory.lowest_jump() + 1))]

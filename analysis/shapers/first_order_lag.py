@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
+from ...shaping.checks import of_kind
 from ...shaping.frozen import Frozen
 from ...shaping.real_numbers import real_array
 from .periodic import TRIANGLE, rate_limited_harmonic
@@ -92,6 +93,9 @@ def first_order_lag(describing: DescribingFunction) -> FirstOrderLag:
     >>> lag.corner_omega.round(3).tolist(), lag.rms_error.round(3).tolist()
     ([1.464, 0.141], [0.207, 0.212])
     """
+    from .describing_function import DescribingFunction
+
+    of_kind("describing", describing, DescribingFunction, "what describing_function gives")
     amplitude, omega, response = describing.amplitude, describing.omega, describing.response
     if amplitude.ndim == 0 or not amplitude.size or (amplitude != amplitude[..., :1]).any():
         raise ValueError(

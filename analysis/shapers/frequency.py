@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from ...shaping import JerkFilter, Trajectory
 from ...shaping.checks import positive, whole
+from ...shaping.jerk_filter import checked_filter
+from ...shaping.real_numbers import shown
 from ...shaping.trajectory_checks import finite_array
 from .spectrum import move_distance, variations, velocity_spectrum
 
@@ -101,6 +103,7 @@ def frequency_response(
     >>> bool(abs(response[0] - 1.0) < 1e-12), bool(abs(response[1]) < 1e-12)
     (True, True)
     """
+    _check(shaper, jerk_filter)
     frequencies = np.atleast_1d(finite_array("omega", omega))
     if isinstance(shaper, JerkFilter):
         response = _of_filter(shaper, frequencies)
@@ -218,6 +221,7 @@ def corner_omega(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> fl
         response = frequency_response(shaper, omega, jerk_filter=jerk_filter).response[0]
         return float(abs(response) ** 2 - 0.5)
 
+    _check(shaper, jerk_filter)
     low = high = 0.01 * _pace(shaper, jerk_filter)
     while excess(high) > 0.0:
         low, high = high, 1.05 * high
@@ -229,6 +233,7 @@ def rollover_db_per_decade(shaper: Shaper, *, jerk_filter: JerkFilter | None = N
 
     20 dB for the order of the lowest derivative that jumps, and for every lag of a filter.
     """
+    _check(shaper, jerk_filter)
     order = shaper.order if isinstance(shaper, JerkFilter) else shaper.lowest_jump()
     return 20.0 * (order + (0 if jerk_filter is None else jerk_filter.order))
 
@@ -243,6 +248,13 @@ def _pace(shaper: Shaper, jerk_filter: JerkFilter | None) -> float:
     if jerk_filter is not None:
         paces.append(jerk_filter.omega / jerk_filter.order)
     return min(paces)
+
+
+def _check(shaper: Shaper, jerk_filter: JerkFilter | None) -> None:
+    if not isinstance(shaper, Trajectory | JerkFilter):
+        raise TypeError(f"shaper = {shown(shaper)}: expected a Trajectory or a JerkFilter")
+    if jerk_filter is not None:
+        checked_filter(jerk_filter)
 
 
 def _of_filter(jerk_filter: JerkFilter, omega: FloatArray) -> ComplexArray:

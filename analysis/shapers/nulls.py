@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ...shaping import Limits, Trajectory, min_time_move
 from ...shaping.checks import positive, whole
 from ...shaping.pieces import MAX_ORDER
+from ...shaping.trajectory import checked_trajectory
 from .spectrum import checked_distances, move_distance, spectrum_bound, velocity_spectrum
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def null_omegas(trajectory: Trajectory, highest: float) -> FloatArray:
     >>> null_omegas(min_time_move(1.0, Limits(acceleration=1.0)), 14.0) / (2.0 * np.pi)
     array([1., 2.])
     """
-    return _nulls_between(trajectory, 0.0, positive("highest", highest))
+    return _nulls_between(checked_trajectory(trajectory), 0.0, positive("highest", highest))
 
 
 def null_by_size(limits: Limits, distances: ArrayLike, frequency_hz: float) -> NullBySize:

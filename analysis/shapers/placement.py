@@ -12,6 +12,8 @@ import numpy as np
 from ...shaping import Limits, Trajectory, min_time_move
 from ...shaping.checks import finite, positive
 from ...shaping.derivatives import derivative_name, derivative_number
+from ...shaping.moves import MAX_MOVE_ORDER
+from ...shaping.real_numbers import shown
 from .nulls import DOUBLE, SYMMETRIC
 from .spectrum import spectrum_bound, velocity_spectrum
 from .vibration import checked_damping, residual_vibration
@@ -162,8 +164,10 @@ def place_null(
     if not distance:
         raise ValueError("distance = 0: nothing moves, and nothing rings")
     derivative, omega = derivative_number(by), 2.0 * pi * positive("frequency_hz", frequency_hz)
-    if derivative == 0:
-        raise ValueError("by = position: expected velocity or a higher derivative")
+    if not 1 <= derivative <= MAX_MOVE_ORDER:
+        raise ValueError(
+            f"by = {shown(by)}: expected velocity or a higher derivative, up to {MAX_MOVE_ORDER}"
+        )
     ratio = float(checked_damping(finite("damping", damping)))
     plan = _Plan(distance, limits, derivative, omega * sqrt((1.0 - ratio) * (1.0 + ratio)))
     found = _highest_null(plan)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import CommandFollower, Limits
 from ...shaping.checks import whole
+from ...shaping.real_numbers import shown
 from ...shaping.trajectory_checks import finite_array
 from ...shaping.transfers.problem import check_order
 
@@ -42,8 +43,8 @@ def checked_sweep(
     """Return the problem of `describing_function`, checked."""
     if not isinstance(shaper, Limits | CommandFollower):
         raise TypeError(
-            f"{shaper!r}: expected Limits or a CommandFollower; what is linear, such as a jerk "
-            "filter, has a frequency_response"
+            f"shaper = {shown(shaper)}: expected Limits or a CommandFollower; what is linear, such "
+            "as a jerk filter, has a frequency_response"
         )
     sizes, frequencies = _positive_pair(amplitude, omega)
     limits, counts = shaper if isinstance(shaper, Limits) else shaper.limits, None

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...shaping import Trajectory
 from ...shaping.pieces import FloatArray, evaluate
+from ...shaping.trajectory import checked_trajectory
 from ...shaping.trajectory_checks import finite_array
 
 if TYPE_CHECKING:
@@ -90,8 +91,7 @@ def variations(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
 
 def check_rest(trajectory: Trajectory) -> None:
     """Refuse what is no trajectory, or moves at its start or end."""
-    if not isinstance(trajectory, Trajectory):
-        raise TypeError(f"got {type(trajectory).__name__}: expected a Trajectory")
+    checked_trajectory(trajectory)
     if any([trajectory.coasting_in()[1], *trajectory.end_state[1 : trajectory.order].tolist()]):
         raise ValueError(f"{trajectory!r}: expected a move from rest to rest; it moves at an end")
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ...shaping.checks import finite
+from ...shaping.jerk_filter import checked_filter
 from ...shaping.moves import Method
 from ...shaping.trajectory_checks import finite_array
 from .spectrum import check_rest, checked_distances, velocity_spectrum
@@ -216,7 +217,7 @@ def checked_damping(damping: ArrayLike) -> FloatArray:
 
 
 def _filter_gain(jerk_filter: JerkFilter, pole: ComplexArray) -> FloatArray:
-    distance = np.abs(1.0 + pole / jerk_filter.omega)
+    distance = np.abs(1.0 + pole / checked_filter(jerk_filter).omega)
     if (distance < _APART).any():
         raise ValueError(
             f"a mode decays as the lags of {jerk_filter!r} do: their parts of the motion cannot "

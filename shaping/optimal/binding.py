@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..checks import positive
-from ..limits import Limits
+from ..limits import Limits, checked_limits
 from ..pieces import extrema
-from ..trajectory import Trajectory
+from ..trajectory import Trajectory, checked_trajectory
 
 BINDING_RTOL = 1e-3
 """How near to its bound, relative, a derivative counts as at it."""
@@ -48,12 +48,7 @@ def binding_limits(
     >>> binding_limits(min_time_move(1.0, limits), limits)
     ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
     """
-    if not isinstance(trajectory, Trajectory):
-        raise TypeError(
-            f"trajectory = {trajectory!r}: expected a Trajectory, as min_time_move gives"
-        )
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
+    trajectory, limits = checked_trajectory(trajectory), checked_limits(limits)
     rtol = positive("rtol", rtol)
     if rtol >= 1.0:
         raise ValueError(

@@ -10,6 +10,7 @@ import numpy as np
 from ..checks import finite, state_numbers
 from ..limits import Limits
 from ..moves import min_time_move
+from ..real_numbers import shown
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import State, Transfer
@@ -71,7 +72,7 @@ def as_axis(number: int, given: Trajectory | tuple[State, State, Limits]) -> Axi
         given = _planned(number, start, end, limits)
     if not isinstance(given, Trajectory):
         raise TypeError(
-            f"axis {number} = {given!r}: expected what min_time_transfer returns, or "
+            f"axis {number} = {shown(given)}: expected what min_time_transfer returns, or "
             "(start, end, limits), or another trajectory"
         )
     stepping = limits is None and not _has_bounded_jerk(given)

@@ -7,7 +7,9 @@ from math import inf
 from typing import Literal
 
 from ... import core
+from ..checks import one_of
 from ..limits import Limits
+from ..real_numbers import shown
 from ..trajectory import Trajectory
 from .axes import Axis, as_axis
 from .infeasible import InfeasibleError
@@ -72,10 +74,9 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     >>> pan.duration, tilt.duration, round(tilt.peak("velocity"), 3)
     (4.5, 4.5, 2.28)
     """
-    if mode not in ("start", "end", "both", "straight-line"):
-        raise ValueError(f"mode = {mode!r}: expected 'start', 'end', 'both' or 'straight-line'")
+    one_of("mode", mode, ("start", "end", "both", "straight-line"))
     if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
-        raise TypeError(f"transfers = {transfers!r}: expected a list with one entry per axis")
+        raise TypeError(f"transfers = {shown(transfers)}: expected a list with one entry per axis")
     transfers = list(transfers)
     if mode == "both" and transfers and all(type(one) is Transfer for one in transfers):
         together = _in_the_core(transfers)  # type: ignore[arg-type]

@@ -347,5 +347,5 @@ def test_what_is_appended_has_rates_of_its_own_if_it_is_given_some():
     )
     assert both.duration - first.duration == pytest.approx(alone.duration, rel=1e-12)
     assert both.end_state[:2].tolist() == [15.0, 0.5]
-    with pytest.raises(ValueError, match="final_velocity = 2.0: expected at most the velocity"):
+    with pytest.raises(ValueError, match=r"final_velocity = 2.0: expected at most the velocity"):
         first.append(5.0, velocity=1.0, final_velocity=2.0)
