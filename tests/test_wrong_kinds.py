@@ -185,7 +185,18 @@ def test_a_choice_is_one_of_the_words(call, wrong):
         pd.Series(pd.to_timedelta([1, 2], unit="s")),
         None,
     ],
-    ids=str,
+    ids=[
+        "table",
+        "mapping",
+        "set",
+        "bytes",
+        "memory",
+        "text",
+        "masked",
+        "category",
+        "times",
+        "none",
+    ],
 )
 def test_bounds_are_not_taken_from_labels_bytes_or_what_is_masked(wrong):
     with pytest.raises(TypeError, match=r"^bounds = [^\n]*: expected [^\n]*$"):
