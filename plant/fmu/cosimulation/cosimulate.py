@@ -64,10 +64,11 @@ def cosimulate(
         known in advance: a number, a Trajectory (its position), a function of time, or a pair of
         arrays (times, values); then the target is given its value at t_k for the step from t_k.
         A table's values are joined by straight lines, for discrete inputs held; beyond its ends it
-        is held. Several sources of one target are added. Inputs of FMUs that are not connected
-        stay as they are. Where both ends have units of one dimension, numbers are converted
-        (rad to deg), by the base units that the FMUs declare, else by the units' names; with a
-        gain they are not, for then it is the gain that leads from one unit to the other.
+        is held. Several sources of one target are added; arrays of the same shape may be named
+        whole. Inputs of FMUs that are not connected stay as they are. Where both ends have units
+        of one dimension, numbers are converted (rad to deg), by the base units that the FMUs
+        declare, else by the units' names; with a gain they are not, for then it is the gain that
+        leads from one unit to the other.
     dt : float
         Communication step; discrete systems must have it as theirs.
     duration : float

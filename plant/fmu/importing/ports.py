@@ -12,7 +12,7 @@ from ....shaping.pieces import FloatArray
 from ....shaping.real_numbers import real_array, real_number
 from .description import FmuError, Signal, candidates
 from .library import WARNING
-from .values import check_narrow, check_whole, flat_values, item_value
+from .values import check_narrow, check_whole, flat_values, item_value, one_value
 
 WIDE = {"Int64": np.int64, "UInt64": np.uint64}
 """Types of variables whose values a double does not always hold."""
@@ -137,6 +137,8 @@ class Port:
         variable = self._variables[self.places(name)[0]]
         if variable.shape and name in (variable.name, *variable.aliases):
             return flat_values(variable, value)
+        if variable.items:
+            return [one_value(variable, value)]
         return [self._number(self.places(name)[0], value, name)]
 
     def _gathered(self, given: Any) -> Any:
