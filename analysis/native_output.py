@@ -1,12 +1,15 @@
-"""Standard output is for results: what native code prints there goes to standard error."""
+"""Native code beside ours: what it prints is no result, and a stop of the process is tidy."""
 
 from __future__ import annotations
 
 import ctypes
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NoReturn
 
 
 @contextmanager
@@ -23,6 +26,24 @@ def printed_as_errors() -> Iterator[None]:
         _flush_c()
         os.dup2(kept, 1)
         os.close(kept)
+
+
+@contextmanager
+def ended_in_order() -> Iterator[None]:
+    """Let a signal that asks for the end of the process leave by SystemExit, tidying up."""
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        names = []  # which alone can be told of signals
+    before = {signal.Signals[n]: signal.signal(signal.Signals[n], _leave) for n in names}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _leave(number: int, _frame: object) -> NoReturn:
+    raise SystemExit(128 + number)
 
 
 def _put(source: int, target: int) -> None:

@@ -1,11 +1,14 @@
 """`jounce fmu run`: its options on FMUs and SSPs written by hand, and one line for each error."""
 
 import csv
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import zipfile
 from dataclasses import replace
 from functools import partial
@@ -304,8 +307,7 @@ def test_what_an_isolated_fmu_prints_is_no_result(folder):
 
 @pytest.mark.parametrize("isolated", ["--isolated", "--no-isolated"])
 def test_what_c_keeps_in_its_own_buffer_is_no_result(folder, isolated):
-    step, prelude = 'printf("here I am"); y[0] = t + h;', "#include <stdio.h>\n"
-    noisy = Model("noisy", step=step, prelude=prelude, step_size=DT)
+    noisy = Model("noisy", step='printf("here I am"); y[0] = t + h;', step_size=DT)
     code = "from jounce.analysis.command_line import main; main()"
     command = [sys.executable, "-c", code, "fmu", "run", fmu(folder, noisy), isolated]
     command += ["--duration", "0.25"]
@@ -314,6 +316,27 @@ def test_what_c_keeps_in_its_own_buffer_is_no_result(folder, isolated):
     assert "noisy.y" in found.stdout
     if isolated == "--no-isolated":
         assert "here I am" in found.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_the_end_of_the_process_leaves_nothing(folder, name):
+    """The FMU tells that it is in its step by a file, and never returns."""
+    step = 'close(creat("begun", 384)); for (volatile int i = 0;;) i++;'
+    endless = fmu(folder, Model("endless", step=step, step_size=DT))
+    (folder / "temporary").mkdir()
+    code = "from jounce.analysis.command_line import main; main()"
+    command = [sys.executable, "-c", code, "fmu", "run", str(endless), "--duration", "0.25"]
+    environment = {**os.environ, "TMPDIR": str(folder / "temporary")}
+    with subprocess.Popen(command, env=environment, cwd=folder) as running:
+        while not (folder / "begun").exists():
+            assert running.poll() is None
+            time.sleep(0.02)
+        assert list((folder / "temporary").iterdir())
+        number = signal.Signals[name]
+        running.send_signal(number)
+        assert running.wait(60) == 128 + number
+    assert not list((folder / "temporary").iterdir())
 
 
 def test_isolated_systems_give_the_same_numbers(run, whole):
