@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 _UNIT = re.compile(r"(.*\S)\s*\[([^\[\]]*)\]")
 _TIME = re.compile(r"t|time|t_s|time_s", re.IGNORECASE)
-_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
+_WHOLE = re.compile(r"[+-]?[0-9]{1,20}")  # what integers of 64 bits may have
+_EXACT = 2**53  # whole numbers up to this are doubles, too
 _TRUTH = {"true": 1.0, "false": 0.0}
 
 
@@ -53,7 +54,7 @@ def read_inputs(
     if not table:
         raise ValueError(f"{path}: no rows below the header; expected a time and values in each")
     pairs = zip(zip(*table, strict=True), scales, strict=True)
-    columns = [_converted(np.array(values), *scale) for values, scale in pairs]
+    columns = [_converted(_column(values), *scale) for values, scale in pairs]
     times = columns[0].astype(float)
     _check_times(path, times, [number for number, _ in rows[1:]])
     return {name: (times, column) for name, column in zip(names[1:], columns[1:], strict=True)}
@@ -64,9 +65,10 @@ def value_at(table: tuple[FloatArray, FloatArray], time: float, *, steps: bool) 
     times, values = table
     before = max(int(np.searchsorted(times, time, side="right")) - 1, 0)
     if steps or times[before] >= time or before + 1 == len(times):
-        found: float = values[before].item()
+        found: float = values.tolist()[before]
         return found
-    return float(np.interp(time, times[before : before + 2], values[before : before + 2]))
+    between = slice(before, before + 2)
+    return float(np.interp(time, times[between], values[between].astype(float)))
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -127,6 +129,12 @@ def _check_time(place: str, cell: str, name: str, units: Mapping[str, FmuUnit | 
         raise ValueError(
             f"{place} is {cell!r}: expected a header that begins with time, such as 'time,{inputs}'"
         )
+
+
+def _column(values: Sequence[float]) -> FloatArray:
+    """Return numbers as an array, of objects where a double would round one of them."""
+    wide = any(isinstance(value, int) and abs(value) > _EXACT for value in values)
+    return np.array(values, object if wide else None)
 
 
 def _converted(values: FloatArray, gain: float, offset: float) -> FloatArray:

@@ -50,9 +50,16 @@ def is_ssp(file: Path) -> bool:
 
 
 def check_readable(file: Path) -> None:
-    """Refuse what is not there."""
+    """Refuse what is not there, and folders of something else."""
+    from ..plant.fmu.importing.unpacking import HEADS
+
     if not file.exists():
         raise ValueError(f"{file}: is not there; give the path of an FMU or an SSP")
+    if file.is_dir() and not any((file / name).is_file() for name in HEADS):
+        raise ValueError(
+            f"{file}: a folder without a {' or '.join(HEADS)}, which an unpacked FMU or SSP has; "
+            "give the path of one"
+        )
 
 
 def check_files(file: Path, given: Mapping[str, Path | None], inputs: Path | None) -> None:
@@ -66,6 +73,11 @@ def check_files(file: Path, given: Mapping[str, Path | None], inputs: Path | Non
         if option == "--plot":
             check_picture(path)
         whole = path.resolve()
+        if not whole.parent.is_dir():
+            raise ValueError(
+                f"{option} {path}: No such file or directory as {path.parent}, to write into; make "
+                "it, or name another"
+            )
         if whole == file.resolve():
             raise ValueError(f"{option} {path}: is the FMU that is run; name another file")
         if inputs is not None and whole == inputs.resolve():

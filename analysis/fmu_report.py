@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
+from numbers import Integral
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
@@ -61,7 +63,7 @@ def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[s
     table = _table(title, "", "start", "end", "least", "greatest", "unit")
     for name in names:
         values = result[name]
-        peak = abs(values).max()
+        peak = np.abs(values.astype(float)).max()
         numbers = (values[0], values[-1], values.min(), values.max())
         table.add_row(Text(name), *(_cleaned(v, peak) for v in numbers), Text(units.get(name, "")))
     return table
@@ -150,6 +152,8 @@ def _remarks(variable: FmuVariable) -> Iterator[str]:
 
 def _cleaned(value: float, peak: float) -> str:
     """Return a number for reading, rounding errors beside its peak left out."""
+    if isinstance(value, Integral):
+        return str(value)
     return "0" if isfinite(peak) and abs(value) <= 1e-12 * peak else f"{value:.9g}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -82,6 +83,7 @@ def run_command(
     from .command_line import print_parts
     from .fmu_options import check_files, check_readable, seconds, size_in_bytes
     from .fmu_report import run_table
+    from .native_output import ended_in_order, printed_as_errors
 
     check_readable(file)
     check_files(file, {"--csv": csv, "--plot": plot}, inputs)
@@ -97,15 +99,18 @@ def run_command(
         "isolated": isolated,
         "timeout": seconds("--timeout", timeout) if isolated else None,
     }
-    loaded, tables = _loaded(file, setting or [], inputs, sha256, options)
-    with loaded as system:
-        try:
-            result = system.run(_lasting(system, wanted, until), inputs=tables)
-        except FmuError as error:
-            raise _kept(error, system, csv, plot) from None
-        finally:
-            _print_log(system)
-        written = _write(result, system, csv, plot)
+    # a call that never returns would keep Python from hearing of a signal
+    orderly = ended_in_order() if isolated else nullcontext()
+    with printed_as_errors(), orderly:
+        loaded, tables = _loaded(file, setting or [], inputs, sha256, options)
+        with loaded as system:
+            try:
+                result = system.run(_lasting(system, wanted, until), inputs=tables)
+            except FmuError as error:
+                raise _kept(error, system, csv, plot) from None
+            finally:
+                _print_log(system)
+            written = _write(result, system, csv, plot)
     print_parts(run_table(result, result.outputs, _unit_names(system)), *result.notes)
     print_parts(*([result.ended] if result.ended else []))
     if plot is not None and len(result.outputs) > _MAX_PANELS:

@@ -185,9 +185,28 @@ def _refined(system: Any, poles: Complex, zeros: Complex, gain: float) -> tuple[
     zeros = np.concatenate([moving, zeros[~free]])
     if system[-1] != 0:
         return zeros, gain
-    point = np.array([2.0 ** _mean_power(poles) * np.exp(1j)])
-    logs = np.log(point - poles).sum() - np.log(point - zeros).sum()
-    return zeros, float((_response(system, point)[0] * np.exp(logs)).real[0])
+    at, found = _well_conditioned(system, poles)
+    logs = np.log(at - poles).sum() - np.log(at - zeros).sum()
+    return zeros, float((found * np.exp(logs)).real)
+
+
+def _well_conditioned(system: Any, poles: Complex) -> tuple[complex, complex]:
+    """Return the point s among the poles' sizes where rounding of A moves L(s) least, and L(s).
+
+    To first order by ε·|c·(sI − A)⁻¹|·(|s|·I + |A|)·|(sI − A)⁻¹·b|, entry by entry.
+    """
+    a, b, c, d = system
+    sizes = np.unique(2.0 ** np.round(np.log2(abs(poles[poles != 0]))))
+    points = np.append(sizes, 2.0 ** _mean_power(poles)) * np.exp(1j)
+    identity = np.eye(b.size)
+    inverse = np.linalg.inv(points[:, None, None] * identity - a)
+    behind, ahead = inverse @ b, c @ inverse
+    moved = abs(points)[:, None, None] * identity + abs(a)
+    values = behind @ c + d
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = np.einsum("ki,kij,kj->k", abs(ahead), moved, abs(behind)) / abs(values)
+    best = int(np.argmin(np.where(np.isnan(spread), np.inf, spread)))
+    return complex(points[best]), complex(values[best])
 
 
 def _apart(roots: Complex, poles: Complex) -> npt.NDArray[np.bool_]:

@@ -56,6 +56,20 @@ def test_whole_numbers_keep_all_their_digits(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "column",
+    [[2**64 - 1, 1], [2**63 - 1, -(2**63)], [1234567890123456789, 0.5], [2**64 - 1, -1]],
+    ids=["unsigned", "signed", "beside a fraction", "both"],
+)
+def test_integers_of_64_bits_keep_all_their_digits(tmp_path, column):
+    path = tmp_path / "in.csv"
+    path.write_text(f"time,u\n0,{column[0]}\n1,{column[1]}\n", encoding="utf-8")
+    table = read_inputs(path, UNITS)["u"]
+    assert table[1].tolist() == column
+    assert [value_at(table, t, steps=True) for t in (0.0, 1.0)] == column
+    assert value_at(table, 0.25, steps=False) == pytest.approx(0.75 * column[0] + 0.25 * column[1])
+
+
+@pytest.mark.parametrize(
     ("time", "line", "held"), [(-1.0, 2.0, 2.0), (0.0, 2.0, 2.0), (0.5, 3.0, 2.0),
                                (1.0, 8.0, 8.0), (9.0, 6.0, 6.0)]
 )  # fmt: skip

@@ -1,11 +1,14 @@
 """`jounce fmu run`: its options on FMUs and SSPs written by hand, and one line for each error."""
 
 import csv
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import zipfile
 from dataclasses import replace
 from functools import partial
@@ -302,6 +305,40 @@ def test_what_an_isolated_fmu_prints_is_no_result(folder):
     assert "noisy.y" in found.stdout
 
 
+@pytest.mark.parametrize("isolated", ["--isolated", "--no-isolated"])
+def test_what_c_keeps_in_its_own_buffer_is_no_result(folder, isolated):
+    noisy = Model("noisy", step='printf("here I am"); y[0] = t + h;', step_size=DT)
+    code = "from jounce.analysis.command_line import main; main()"
+    command = [sys.executable, "-c", code, "fmu", "run", fmu(folder, noisy), isolated]
+    command += ["--duration", "0.25"]
+    found = subprocess.run(list(map(str, command)), capture_output=True, check=True, text=True)
+    assert "here I am" not in found.stdout
+    assert "noisy.y" in found.stdout
+    if isolated == "--no-isolated":
+        assert "here I am" in found.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_the_end_of_the_process_leaves_nothing(folder, name):
+    """The FMU tells that it is in its step by a file, and never returns."""
+    step = 'close(creat("begun", 384)); for (volatile int i = 0;;) i++;'
+    endless = fmu(folder, Model("endless", step=step, step_size=DT))
+    (folder / "temporary").mkdir()
+    code = "from jounce.analysis.command_line import main; main()"
+    command = [sys.executable, "-c", code, "fmu", "run", str(endless), "--duration", "0.25"]
+    environment = {**os.environ, "TMPDIR": str(folder / "temporary")}
+    with subprocess.Popen(command, env=environment, cwd=folder) as running:
+        while not (folder / "begun").exists():
+            assert running.poll() is None
+            time.sleep(0.02)
+        assert list((folder / "temporary").iterdir())
+        number = signal.Signals[name]
+        running.send_signal(number)
+        assert running.wait(60) == 128 + number
+    assert not list((folder / "temporary").iterdir())
+
+
 def test_isolated_systems_give_the_same_numbers(run, whole):
     own = partial(run.func, "fmu", "run")
     options = (whole, "--set", "angle=180", "--record", "a.k")
@@ -372,3 +409,31 @@ def test_many_outputs_are_drawn_as_far_as_they_fit(run, folder, monkeypatch):
     drawn = Path("out.svg").read_text(encoding="utf-8")
     assert "wide.y1" in drawn
     assert "wide.y2" not in drawn
+
+
+def test_what_is_not_there_is_told_before_the_run(refused, folder, plant):
+    nothing = folder / "nothing"
+    nothing.mkdir()
+    assert "a folder without a modelDescription.xml" in refused(nothing)
+    line = refused(plant, "--duration", "1", "--plot", "no/such.png")
+    assert "--plot no/such.png: No such file or directory" in line
+
+
+def test_whole_numbers_are_shown_whole(run, folder):
+    wide = Model("wide", outputs=("n",), types={"n": "Int64"}, step_size=DT, epilogue=COUNT)
+    out = run(fmu(folder, wide, version="3.0"), "--duration", "0.5")[1]
+    assert rows(out)["wide.n"][:4] == ["9007199254740993"] * 4
+
+
+COUNT = """
+fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference v[], size_t n, fmi3Int64 x[],
+    size_t s) { x[0] = 9007199254740993; return fmi3OK; }
+"""
+
+
+def test_one_fmu_by_itself_is_no_loop(run, folder):
+    lost = Model("lost", step="y[0] = t > 0.2 ? 1e308 * 1e308 : 0;", step_size=DT)
+    status, _, (line,) = run(fmu(folder, lost), "--duration", "1")
+    assert status == 2
+    assert "left the range of a double" in line
+    assert "loop" not in line

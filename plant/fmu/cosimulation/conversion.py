@@ -13,6 +13,15 @@ NO_UNIT = ("", "1", "-")
 
 _SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", " ": ".", "µ": "u", "μ": "u", "^": None})
 _NAMES = {"rpm": "rev/min", "r/min": "rev/min", "°": "deg"}
+_KELVIN = (("K", 1),)
+_OFFSETS = {
+    name: FmuUnit(name, _KELVIN, factor, zero)
+    for names, factor, zero in (
+        (("degC", "°C", "Cel"), 1.0, 273.15),
+        (("degF", "°F"), 5.0 / 9.0, 459.67 * 5.0 / 9.0),
+    )
+    for name in names
+}
 
 
 def unit_of(name: str, declared: Iterable[FmuUnit] = ()) -> FmuUnit:
@@ -33,6 +42,8 @@ def unit_of(name: str, declared: Iterable[FmuUnit] = ()) -> FmuUnit:
     for unit in declared:
         if unit.name == name and _known(unit):
             return unit
+    if name in _OFFSETS:
+        return _OFFSETS[name]
     try:
         found = unit_definition(_NAMES.get(name, name.translate(_SPELLINGS)))
     except ValueError:

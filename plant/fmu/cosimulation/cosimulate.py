@@ -64,10 +64,11 @@ def cosimulate(
         known in advance: a number, a Trajectory (its position), a function of time, or a pair of
         arrays (times, values); then the target is given its value at t_k for the step from t_k.
         A table's values are joined by straight lines, for discrete inputs held; beyond its ends it
-        is held. Several sources of one target are added. Inputs of FMUs that are not connected
-        stay as they are. Where both ends have units of one dimension, numbers are converted
-        (rad to deg), by the base units that the FMUs declare, else by the units' names; with a
-        gain they are not, for then it is the gain that leads from one unit to the other.
+        is held. Several sources of one target are added; arrays of the same shape may be named
+        whole. Inputs of FMUs that are not connected stay as they are. Where both ends have units
+        of one dimension, numbers are converted (rad to deg), by the base units that the FMUs
+        declare, else by the units' names; with a gain they are not, for then it is the gain that
+        leads from one unit to the other.
     dt : float
         Communication step; discrete systems must have it as theirs.
     duration : float
@@ -218,7 +219,8 @@ def _run(
             if k % chunk == 0 or k == steps - 1 or ended:
                 rows = checked + _finite_rows(outputs[checked:rows, watched])
                 if rows < k + 2:
-                    raise _not_finite(outputs[rows], parts, time[rows])
+                    connected = bool(wiring.links)
+                    raise _not_finite(outputs[rows], parts, time[rows], connected=connected)
                 checked = rows
                 advance((k + 1) / steps)
             if ended:
@@ -269,7 +271,9 @@ def _finite_rows(rows: Any) -> int:
     return len(finite) if finite.all() else int(finite.argmin())
 
 
-def _not_finite(row: Any, parts: Mapping[str, Participant], time: float) -> FmuError:
+def _not_finite(
+    row: Any, parts: Mapping[str, Participant], time: float, *, connected: bool
+) -> FmuError:
     signals = [(name, part, own) for name, part in parts.items() for own in part.outputs]
     lost = [
         f"{name}.{own}"
@@ -277,8 +281,12 @@ def _not_finite(row: Any, parts: Mapping[str, Participant], time: float) -> FmuE
         if not np.isfinite(float(value)) and own not in part.recorded
     ]
     return FmuError(
-        f"{', '.join(lost[:5])} left the range of a double at time {time:g}: the loop is "
-        "unstable; check signs, gains, dt and the delays that the order causes"
+        f"{', '.join(lost[:5])} left the range of a double at time {time:g}: "
+        + (
+            "the loop is unstable; check signs, gains, dt and the delays that the order causes"
+            if connected
+            else "check its inputs, parameters and dt"
+        )
     )
 
 
@@ -298,9 +306,15 @@ def _grid(start: float, dt: float, duration: float) -> FloatArray:
     if not 1.0 - _ON_GRID <= steps <= MAX_VALUES or abs(steps - round(steps)) > _ON_GRID * steps:
         raise FmuError(
             f"duration = {duration!r} is {steps:.10g} steps of dt = {dt!r}: expected a whole "
-            f"number, 1 to {MAX_VALUES}"
+            f"number, 1 to {MAX_VALUES}; {_remedy(steps, dt)}"
         )
     return np.asarray(start + dt * np.arange(round(steps) + 1))
+
+
+def _remedy(steps: float, dt: float) -> str:
+    if steps > MAX_VALUES:
+        return "give a larger dt or a shorter duration"
+    return f"such as duration = {max(round(steps), 1) * dt:.10g}"
 
 
 def _order(order: str | Sequence[str], names: list[str]) -> tuple[str, list[str]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,8 @@ def over_time(
     source : float, Trajectory, callable or pair of (M,) arrays
         A trajectory gives its position. A function is called with each time. A table's values
         are joined by straight lines, or held where `steps` is set; at a time that stands twice
-        it jumps; before its first and after its last time it is held.
+        it jumps; before its first and after its last time it is held. Truth values are taken
+        where `steps` is set.
     target : str
         The input, for messages.
     time : (N + 1,) array
@@ -36,7 +38,7 @@ def over_time(
     steps : bool
         Whether the input changes in steps only, as discrete variables do.
     exact : bool, optional
-        Whether integers stay as they are, in an array of objects, for an input of 64 bits.
+        Whether whole numbers stay as they are, in an array of objects, for an input of 64 bits.
 
     Returns
     -------
@@ -54,19 +56,19 @@ def over_time(
     if isinstance(source, Trajectory):
         return np.asarray(source(time)), ""
     if callable(source):
-        name = f"source of {target}"
-        return np.array([_called(source, name, t) for t in time.tolist()]), ""
+        name = f"source of {target} at time"
+        found = [_one(f"{name} {t:g}", source(t), steps=steps, exact=exact) for t in time.tolist()]
+        return np.array(found, object if exact else float), ""
     if isinstance(source, Sequence | np.ndarray) and not isinstance(source, str | bytes):
         times, values = _table(source, target, exact=exact)
         return _between(times, values, time, steps), _beyond(times, time, target)
-    if exact and isinstance(source, int | np.integer):
-        return np.full(time.shape, int(source), object), ""
     if np.ndim(source) or isinstance(source, str | bytes | None):
         raise TypeError(
             f"source of {target} is a {type(source).__name__}: expected 'block.output', a number, "
             "a Trajectory, a function of time or a pair of arrays (times, values)"
         )
-    return np.full(time.shape, finite(f"source of {target}", source)), ""
+    value = _one(f"source of {target}", source, steps=steps, exact=exact)
+    return np.full(time.shape, value, object if exact else float), ""
 
 
 def scaled(source: Source, gain: float, offset: float) -> Source:
@@ -80,8 +82,12 @@ def scaled(source: Source, gain: float, offset: float) -> Source:
     return gain * finite("source", source) + offset
 
 
-def _called(source: Callable[[float], Any], name: str, t: float) -> float:
-    return finite(f"{name} at time {t:g}", source(t))
+def _one(name: str, value: Any, *, steps: bool, exact: bool) -> float:
+    """Return one value; whole numbers as they are where they are wanted so."""
+    truth = isinstance(value, bool | np.bool_)
+    if (truth and steps) or (exact and isinstance(value, Integral) and not truth):
+        return int(value)
+    return finite(name, value)
 
 
 def _table(
@@ -108,15 +114,16 @@ def _table(
 
 
 def _row(part: Any, name: str, target: str, *, exact: bool = False) -> FloatArray:
-    found = np.asarray(part)
-    if found.ndim != 1 or found.dtype.kind not in "biuf":
+    found = np.asarray(part, object if exact else None)
+    plain = found.dtype.kind in "biuf" or all(isinstance(v, Real | np.bool_) for v in found.flat)
+    if found.ndim != 1 or not plain:
         raise TypeError(f"{name} of the source of {target}: expected a row of numbers")
-    if exact and found.dtype.kind in "biu":
-        return found.astype(object)
     row = found.astype(float)
     if not np.isfinite(row).all():
         at = int(np.argmin(np.isfinite(row)))
         raise FmuError(f"{name}[{at}] of the source of {target} = {row[at]}: expected a number")
+    if exact:
+        row = np.array([int(v) if float(v).is_integer() else float(v) for v in found], object)
     return row
 
 

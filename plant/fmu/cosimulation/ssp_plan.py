@@ -55,6 +55,11 @@ class SspPlan:
                 notes.append(f"{value.said_by}: {block} has no {name!r}; its value is not used")
                 continue
             place = f"{value.said_by} for '{block}.{name}'"
+            kind = self.descriptions[block].variable(name).type
+            if isinstance(value.value, bytes) and kind != "Binary":
+                raise FmuError(
+                    f"{place} is of type Binary, the variable of {kind}; correct the SSP"
+                )
             by = self._along(value.unit, value.hops, value.target, place)
             found[block][name] = _scaled(value.value, by, place)
         for name, given in parameters.items():
@@ -199,6 +204,6 @@ def _has(description: FmuDescription, name: str) -> bool:
 def _scaled(value: Any, by: tuple[float, float], place: str) -> Any:
     if by == _SAME:
         return value
-    if isinstance(value, str | bool):
+    if isinstance(value, str | bytes | bool):
         raise FmuError(f"{place}: {value!r} is no number, but is to be converted; correct the SSP")
     return by[0] * value + by[1]

@@ -244,8 +244,17 @@ def _value(typed: Element, place: str) -> object:
         return to_float(text, place)
     if typed.tag in _TEXTS:
         return text
+    if typed.tag == "Binary":
+        return _bytes(text, place)
     if typed.tag == "Boolean":
         return to_bool(text, place)
     if typed.tag == "Integer" or "Int" in typed.tag:
         return to_int(text, place)
     raise FmuError(f"{place} is of type {typed.tag}, which is not supported: leave it out")
+
+
+def _bytes(text: str, place: str) -> bytes:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise FmuError(f"{place} = {text!r}: expected hexadecimal digits, two a byte") from None

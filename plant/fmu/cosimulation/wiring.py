@@ -50,7 +50,8 @@ def connect(
     weights = {name: np.zeros((len(b.inputs), len(outputs))) for name, b in blocks.items()}
     links, notes = [], []
     touched: set[str] = set()
-    for source, target in _pairs(connections):
+    pairs = [p for pair in _pairs(connections) for p in _by_element(*pair, outputs, inputs)]
+    for source, target in pairs:
         if target not in inputs:
             raise FmuError(_unknown(target, inputs, outputs, "input", "output"))
         name, signal = target.split(".", 1)
@@ -113,6 +114,29 @@ def _pairs(connections: Connections) -> Iterable[tuple[Source, str]]:
         source, targets = item
         for target in [targets] if isinstance(targets, str) else targets:
             yield source, target
+
+
+def _by_element(
+    source: Source, target: str, outputs: Sequence[str], inputs: Sequence[str]
+) -> Iterable[tuple[Source, str]]:
+    """Yield a connection, or, where it is of whole arrays, those of their elements."""
+    places = _places(target, inputs)
+    if target in inputs or not places or not isinstance(source, str):
+        yield source, target
+        return
+    plain = _factored(source, outputs)[1]
+    if _places(plain, outputs) != places:
+        raise FmuError(
+            f"{target!r} is an array of {len(places)} values, {plain!r} is none with the same "
+            f"elements: connect them one by one, such as '{target}{places[0]}'"
+        )
+    before = source.rstrip().removesuffix(plain)
+    for place in places:
+        yield f"{before}{plain}{place}", f"{target}{place}"
+
+
+def _places(name: str, names: Sequence[str]) -> list[str]:
+    return [found[len(name) :] for found in names if found.startswith(f"{name}[")]
 
 
 def _unknown(name: str, wanted: Sequence[str], other: Sequence[str], kind: str, not_: str) -> str:

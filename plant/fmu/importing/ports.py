@@ -12,10 +12,12 @@ from ....shaping.pieces import FloatArray
 from ....shaping.real_numbers import real_array, real_number
 from .description import FmuError, Signal, candidates
 from .library import WARNING
-from .values import check_whole, flat_values, item_value
+from .values import check_narrow, check_whole, flat_values, item_value, one_value
 
 WIDE = {"Int64": np.int64, "UInt64": np.uint64}
 """Types of variables whose values a double does not always hold."""
+
+_DOUBLE_BYTES = 8
 
 Mover = Callable[[str, Sequence[int], Any], Callable[[], int]]
 
@@ -80,6 +82,9 @@ class Port:
         if buffer.dtype.kind != "f":
             for place, value in zip(index, wanted.tolist(), strict=True):
                 check_whole(self.labels[place], value, buffer.dtype)
+        elif buffer.dtype.itemsize < _DOUBLE_BYTES:
+            for place, value in zip(index, wanted.tolist(), strict=True):
+                check_narrow(self.labels[place], value)
         try:
             buffer[taken] = wanted
         except OverflowError:
@@ -132,6 +137,8 @@ class Port:
         variable = self._variables[self.places(name)[0]]
         if variable.shape and name in (variable.name, *variable.aliases):
             return flat_values(variable, value)
+        if variable.items:
+            return [one_value(variable, value)]
         return [self._number(self.places(name)[0], value, name)]
 
     def _gathered(self, given: Any) -> Any:

@@ -427,9 +427,9 @@ class Fmu:
 
     def initialize(self, parameters: Mapping[str, Any]) -> None:
         """Go through the initialisation; `load_fmu` and `reset` do."""
-        self._given = dict(parameters)
+        given = dict(parameters)
         self._values[:] = self._start_inputs
-        for variable, values in start_settings(self.description, self._given):
+        for variable, values in start_settings(self.description, given):
             self._write(variable, values)
             if variable.causality == "input" and variable.type in self._dtypes:
                 self._values[self._inputs.places(variable.name)] = values
@@ -441,6 +441,7 @@ class Fmu:
         self._check(self._instance.exit_initialization(), what)
         self._session.stepping = True
         self._refusal, self._doubt, self._at_start = None, "", True
+        self._given = given
         self._time, self._clock = start, (start, 0, 0.0)
 
     def _read(self, variable: FmuVariable) -> list[Any]:
@@ -498,9 +499,12 @@ class Fmu:
         if status == GONE:
             said = self._log.told() if self._log.messages else ""
             raise self._lost(f"{name} {self._instance.ending} when it was to {what}{said}")
+        told = self._log.told()
+        if self._doubt and "call sequence" in told.lower():
+            told = ""  # which is no news after an error
         message = (
             f"{name} could not {what}: it "
-            f"{STATUS.get(status, f'returned status {status}')}{self._log.told()}{self._doubt}"
+            f"{STATUS.get(status, f'returned status {status}')}{told}{self._doubt}"
         )
         self._doubt = f"; this came after an error at time {self._time:g}: call reset() first"
         if status == FATAL:

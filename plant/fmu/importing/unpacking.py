@@ -27,7 +27,7 @@ MAX_RATIO = 200
 FREE_BYTES = 2**28
 """Bytes that may be unpacked whatever the ratio."""
 
-_HEADS = ("modelDescription.xml", "SystemStructure.ssd")
+HEADS = ("modelDescription.xml", "SystemStructure.ssd")
 _CHUNK = 2**20
 _DRIVE = re.compile(r"[A-Za-z]:")
 _ENCRYPTED = 0x1
@@ -133,8 +133,8 @@ def _opened(path: Path, most: int) -> Iterator[tuple[IO[bytes], str]]:
 
 def _pack(folder: Path, file: IO[bytes], most: int) -> str:
     """Pack the files of a folder, none of them a link, and return the digest of them all."""
-    if not any((folder / name).is_file() for name in _HEADS):
-        told = f"a directory without a {' or '.join(_HEADS)}, which an unpacked FMU or SSP has"
+    if not any((folder / name).is_file() for name in HEADS):
+        told = f"a directory without a {' or '.join(HEADS)}, which an unpacked FMU or SSP has"
         raise IsADirectoryError(errno.EISDIR, told, str(folder))
     lines = []
     with zipfile.ZipFile(file, "w") as archive:

@@ -20,6 +20,7 @@ _DOUBLES = ("Real", "Float64", "Float32")
 _TEXTS = {"String": str, "Binary": bytes}
 _KINDS = "biufOU"  # kinds of numpy's types
 _LONGEST = 80
+_LARGEST_NARROW = float(np.finfo(np.float32).max)
 
 
 def start_values(variable: FmuVariable) -> list[Any]:
@@ -100,6 +101,12 @@ def check_whole(name: str, value: float, dtype: Any) -> None:
         )
 
 
+def check_narrow(name: str, value: float) -> None:
+    """Refuse a finite number that Float32 would make infinite."""
+    if not isinf(value) and abs(value) > _LARGEST_NARROW:
+        raise FmuError(f"{name} = {value!r}: expected a number of type Float32")
+
+
 def own_shape(variable: FmuVariable, values: list[Any], dtypes: Mapping[str, Any]) -> object:
     """Return values as a caller gets them: a plain value, or an array of the variable's shape."""
     if variable.type == "Boolean":
@@ -158,8 +165,9 @@ def _refusal(variable: FmuVariable, value: Any) -> TypeError:
 def _double(variable: FmuVariable, value: Any) -> float:
     truth = isinstance(value, bool | np.bool_)
     number = float(value) if truth else real_number(variable.name, value)
-    narrow = variable.type == "Float32" and abs(number) > np.finfo(np.float32).max
-    if isnan(number) or (narrow and not isinf(number)):
+    if variable.type == "Float32":
+        check_narrow(variable.name, number)
+    if isnan(number):
         raise FmuError(f"{variable.name} = {value!r}: expected a number of type {variable.type}")
     return number
 

@@ -111,3 +111,30 @@ def test_a_whole_delay_in_the_loop_costs_its_phase():
     crossover = loop_margins(lag).crossover_hz
     lost = loop_margins(lag).phase_margin_deg - loop_margins(delayed).phase_margin_deg
     assert lost == pytest.approx(360 * crossover * DT, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_states_that_are_mixed_keep_the_gain(seed):
+    """A double integrator in balanced coordinates, rounded, behind a differenced PID.
+
+    L = (40 + 100·T/(z − 1) + 12·(z − 1)/(T·z))·T²/4·(z + 1)/(z − 1)²
+    """
+    dt, share = 1e-3, 3.26
+    mix = np.array([[share, 0.5 / share], [share, -0.5 / share]])
+    a = mix @ np.array([[1.0, dt], [0.0, 1.0]]) @ np.linalg.inv(mix)
+    rounding = np.random.default_rng(seed).integers(-4, 5, (2, 2)) * np.finfo(float).eps
+    plant = control.ss(
+        a + rounding, mix @ [[dt**2 / 4], [dt / 2]], [[1.0, 0.0]] @ np.linalg.inv(mix), 0, dt
+    )
+    integral = control.ss(1.0, 1.0, 100.0 * dt, 40.0 + 12.0 / dt, dt)
+    difference = control.ss(0.0, 1.0, -12.0 / dt, 0.0, dt)
+    found = loop_margins((integral + difference) * plant)
+
+    def exact(omega):
+        w = 2.0 * np.exp(0.5j * omega * dt) * 1j * np.sin(0.5 * omega * dt)  # z − 1, all digits
+        controller = 40.0 + 100.0 * dt / w + 12.0 / dt * w / (1.0 + w)
+        return controller * dt**2 / 4.0 * (w + 2.0) / w**2
+
+    at = exact(2.0 * np.pi * found.crossover_hz)
+    assert abs(at) == pytest.approx(1.0, rel=1e-8)
+    assert found.phase_margin_deg == pytest.approx(180.0 + np.degrees(np.angle(at)), rel=1e-8)

@@ -22,6 +22,8 @@ from jounce.plant.fmu.importing.description import FmuUnit
         ("rpm", "rad/s", 2.0 * math.pi / 60.0),
         ("Hz", "1/s", 1.0),
         ("ms", "s", 1e-3),
+        ("bar", "kPa", 100.0),
+        ("kW", "N.m/s", 1e3),
         ("", "deg", 1.0),
         ("deg", "1", 1.0),
         ("-", "deg", 1.0),
@@ -32,6 +34,20 @@ def test_names_that_are_known(given, taken, gain):
     found, offset = conversion(unit_of(given), unit_of(taken))
     assert found == pytest.approx(gain, rel=1e-15)
     assert offset == 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "value", "taken", "expected"),
+    [
+        ("degC", 20.0, "K", 293.15),
+        ("K", 300.0, "°C", 26.85),
+        ("degF", 32.0, "degC", 0.0),
+        ("°F", 212.0, "K", 373.15),
+    ],
+)
+def test_temperatures_have_offsets(given, value, taken, expected):
+    gain, offset = conversion(unit_of(given), unit_of(taken))
+    assert gain * value + offset == pytest.approx(expected, abs=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from handmade_ssps import (
 )
 
 from jounce.plant.fmu import load_ssp
+from jounce.plant.fmu.cosimulation.ssp_reading import read_ssp
 from jounce.plant.fmu.importing.description import FmuError
 
 DT = 0.125
@@ -185,6 +186,14 @@ def test_the_outer_binding_and_the_later_one_count(tmp_path):
         ),
     )
     assert sets(path)[0] == {"a.k": 5.0, "a.c": 8.0, "b.k": 9.0, "b.c": 0.0}
+
+
+def test_binary_values_are_hexadecimal(tmp_path):
+    path = chain(tmp_path, inside=bindings(binding({"k": ("Binary", "00Ff")})))
+    with zipfile.ZipFile(path) as archive:
+        assert [value.value for value in read_ssp(archive).values] == [b"\x00\xff"]
+    with pytest.raises(FmuError, match="hexadecimal digits"):
+        load_ssp(chain(tmp_path, inside=bindings(binding({"k": ("Binary", "0g")}))))
 
 
 def test_names_are_mapped_and_values_transformed(tmp_path):

@@ -56,6 +56,33 @@ def test_functions_trajectories_and_numbers():
     assert values(3) == [3.0] * 9
 
 
+ODD = 2**53 + 1
+BESIDE = {"a number": ODD, "a function": lambda t: ODD if t else 1.0,
+          "a list": ([0.0, 0.25], [1.0, ODD]),
+          "objects": ([0, 1], np.array([1, ODD], object))}  # fmt: skip
+
+
+@pytest.mark.parametrize("source", BESIDE.values(), ids=BESIDE)
+def test_whole_numbers_of_64_bits_stay_exact(source):
+    found = over_time(source, "plant.u", TIME, steps=True, exact=True)[0]
+    assert found.tolist()[-1] == ODD
+    assert over_time(source, "plant.u", TIME, steps=True)[0].tolist()[-1] == 2.0**53
+
+
+def test_unsigned_and_signed_ones_in_one_table():
+    table = ([0.0, 1.0], [2**64 - 1, -1])
+    found = over_time(table, "plant.u", TIME, steps=True, exact=True)[0]
+    assert found.tolist() == [2**64 - 1] * 4 + [-1] * 5
+
+
+def test_truth_values_are_for_what_changes_in_steps():
+    assert values(lambda t: t > 1.0, steps=True) == [0.0] * 5 + [1.0] * 4
+    assert values(True, steps=True) == [1.0] * 9
+    for source in (True, np.True_, lambda t: t > 1.0):
+        with pytest.raises(TypeError, match="expected a number"):
+            values(source)
+
+
 @pytest.mark.parametrize(
     "source", [2.0, lambda t: t * t, ([0.0, 1.0, 2.0], [0.0, 4.0, 2.0])], ids=["n", "f", "table"]
 )

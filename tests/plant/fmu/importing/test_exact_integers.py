@@ -148,3 +148,11 @@ def test_whole_sums_and_signs_are_exact_in_a_cosimulation(tmp_path):
             duration=0.001,
         )
     assert run["two.n"].tolist()[0] == 3 - (2**62 + 1)
+
+
+def test_functions_and_mixed_lists_are_exact_sources(tmp_path):
+    sources = (lambda t: ODD + round(t), ([0, 1], [ODD, 1.0]))
+    for source in sources:
+        with load_fmu(fmu(tmp_path, WIDE, "3.0")) as loaded:
+            run = cosimulate({"w": loaded}, [(source, "w.n")], dt=0.5, duration=0.5)
+        assert run["w.back"].tolist()[-1] == ODD

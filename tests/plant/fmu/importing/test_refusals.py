@@ -84,6 +84,46 @@ def test_an_input_that_the_fmu_refuses_is_taken_back(tmp_path):
         assert block.step([2.0]).tolist() == [2.0]
 
 
+def test_after_a_refused_input_its_state_is_no_news(tmp_path):
+    """An FMU that minds its state says "illegal call sequence" from its first error on."""
+    no = 'if (lost) return fail(c, "fmi2: Illegal call sequence.");'
+    big = 'if (in[i] > 1) { lost = 1; return fail(c, "too large"); }'
+    store, finite = "*a = in[i];", "for (int i = 0; i < NU; i++)"
+    code = ((store, f"{no} {big} {store}"), (finite, f"{no} {finite}"),
+            ("{ defaults(S(c)); return", "{ lost = 0; defaults(S(c)); return"))  # fmt: skip
+    strict = Model("strict", prelude="static int lost;", step="y[0] = u[0];", code=code)
+    with load_fmu(fmu(tmp_path, strict)) as block:
+        with pytest.raises(FmuError, match="too large"):
+            block.step([2.0])
+        for _ in range(2):
+            with pytest.raises(FmuError, match=r"call reset\(\) first") as caught:
+                block.step([0.5])
+            assert "call sequence" not in str(caught.value)
+        block.reset()
+        assert block.step([0.5]).tolist() == [0.5]
+
+
+@pytest.mark.parametrize("wrong", [{"J": -1e7}, {"J": "two"}], ids=["by the FMU", "here"])
+def test_parameters_that_are_refused_are_not_kept(tmp_path, wrong):
+    with load_fmu(fmu(tmp_path), parameters={"J": 4.0}) as plant:
+        with pytest.raises((FmuError, TypeError)):
+            plant.reset(wrong)
+        plant.reset()
+        assert plant.get("J") == 4.0
+
+
+def test_numbers_beyond_a_float32(tmp_path):
+    narrow = Model("narrow", types={"u": "Float32"}, step="y[0] = u[0];")
+    with load_fmu(fmu(tmp_path, narrow, "3.0")) as block:
+        for given in ({"u": 1e39}, [-3.5e38]):
+            with pytest.raises(FmuError, match=r"u = .*e.3[89]: expected a number"):
+                block.step(given)
+        with pytest.raises(FmuError, match="expected a number of type Float32"):
+            block.reset({"u": 1e39})
+        block.reset()
+        assert block.step([3e38])[0] == pytest.approx(3e38, rel=1e-7)
+
+
 def test_an_own_export_goes_on_after_nan(tmp_path):
     with exported(tmp_path, SampledController(PID(4.0, 1.0, 4.0), 1e-3)) as block:
         block.step(np.ones(len(block.input_names)))

@@ -198,6 +198,10 @@ def test_inputs_by_every_name(path):
         assert block.step({"gear": 1}).tolist() == [34.0, 1.0]
         with pytest.raises(FmuError, match=r"gear has no item 'revers': did you mean 'reverse'"):
             block.step({"gear": "revers"})
+        for none in (7, 1.5, 0):
+            with pytest.raises(FmuError, match=r"gear = .*: expected one of 'park' \(1\), 'drive"):
+                block.step({"gear": none})
+        assert block.step().tolist() == [34.0, 1.0]
         with pytest.raises(FmuError, match=r"u of shape \(3,\): expected \(2,\)"):
             block.step({"u": [1.0, 2.0, 3.0]})
 
