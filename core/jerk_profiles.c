@@ -492,10 +492,11 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
-/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance. */
-static int cruising_there(const jounce_family *f, jounce_profile *profile) {
+/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance, or takes
+ * as long as is allowed. */
+static int cruising_there(const jounce_family *f, double longest, jounce_profile *profile) {
     double v_max = f->task.v_max, rest, slack;
-    if (!cruising(f, profile)) {
+    if (!cruising(f, profile) || profile->duration >= longest) {
         return 0;
     }
     rest = f->task.distance - travel(f, profile).distance;
@@ -545,7 +546,8 @@ int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
             }
         }
     }
-    if (cruising_there(f, &profile) && (!any || profile.duration < best->duration)) {
+    if (cruising_there(f, any ? best->duration : INFINITE, &profile) &&
+        (!any || profile.duration < best->duration)) {
         *best = profile;
         any = 1;
     }
@@ -564,7 +566,7 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
         profile = member(f, arcs.arcs[i].kind, arcs.arcs[i].first);
         on_arc(f, &arcs.arcs[i], &profile, &last, found);
     }
-    if (cruising_there(f, &profile)) {
+    if (cruising_there(f, INFINITE, &profile)) {
         keep(&profile, found);
     }
 }

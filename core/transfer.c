@@ -6,12 +6,16 @@
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
 int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
     int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, side = 0, k;
-    jounce_task mirrored = jounce_mirrored(task);
     jounce_family families[2];
     jounce_profile profile, best = {0};
     for (k = 0; k < 2; k++) {
         turn = k == 0 ? down : !down;
-        jounce_make_family(turn ? &mirrored : task, &families[turn]);
+        if (turn) {
+            jounce_task mirrored = jounce_mirrored(task);
+            jounce_make_family(&mirrored, &families[1]);
+        } else {
+            jounce_make_family(task, &families[0]);
+        }
         if (jounce_shortest(&families[turn], &profile) &&
             (!any || profile.duration < best.duration)) {
             any = 1;
