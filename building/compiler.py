@@ -19,7 +19,10 @@ FREE_THREADED = bool(sysconfig.get_config_var("Py_GIL_DISABLED"))
 """Whether this Python has no lock, and so no stable interface: its wheel is its own."""
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
-FLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden", "-Icore"]
+FLAGS = [
+    *("-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden", "-Icore"),
+    "-fno-tree-slp-vectorize",  # numbers that were stored one by one would be waited for in pairs
+]
 STABLE = [] if FREE_THREADED else [("Py_LIMITED_API", "0x030B0000")]
 
 

@@ -194,7 +194,7 @@ static void find_arcs(const jounce_family *f, Arcs *arcs) {
     }
 }
 
-static jounce_profile timed(const jounce_family *f, double p, double hold, double q,
+static inline jounce_profile timed(const jounce_family *f, double p, double hold, double q,
                             double dwell) {
     const jounce_task *t = &f->task;
     double moving = ((p - t->a0) + (t->a1 - q)) * f->rise_time + (p - q) * f->fall_time;
@@ -203,7 +203,7 @@ static jounce_profile timed(const jounce_family *f, double p, double hold, doubl
 }
 
 /* The member of an arc at parameter s. */
-static jounce_profile member(const jounce_family *f, int kind, double s) {
+static inline jounce_profile member(const jounce_family *f, int kind, double s) {
     const jounce_task *t = &f->task;
     double p = t->a_max, q = t->a_min, hold = 0.0, dwell = 0.0;
     switch (kind) {
@@ -231,7 +231,7 @@ static jounce_profile member(const jounce_family *f, int kind, double s) {
 }
 
 /* The derivative of the duration by the parameter. */
-static double duration_slope(const jounce_family *f, int kind, const jounce_profile *profile) {
+static inline double duration_slope(const jounce_family *f, int kind, const jounce_profile *profile) {
     double p = profile->p, q = profile->q;
     switch (kind) {
     case FREE_Q:
@@ -251,7 +251,7 @@ typedef struct {
     double distance, slope, scale; /* without the cruise; its derivative by the duration; rounding */
 } Travel;
 
-static Travel travel(const jounce_family *f, const jounce_profile *profile) {
+static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, v = t->v0, w, x, fastest;
     Travel result;
@@ -344,7 +344,7 @@ typedef struct {
     jounce_profile profile;
 } Point;
 
-static void measure(const jounce_family *f, Point *at) {
+static inline void measure(const jounce_family *f, Point *at) {
     Travel there = travel(f, &at->profile);
     at->error = there.distance - f->task.distance;
     at->slope = there.slope;
@@ -352,12 +352,12 @@ static void measure(const jounce_family *f, Point *at) {
 }
 
 /* The derivative of the distance by the parameter. */
-static double steepness(const jounce_family *f, int kind, const Point *at) {
+static inline double steepness(const jounce_family *f, int kind, const Point *at) {
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
 /* Where a cubic through two points makes the error zero; the secant where it cannot tell. */
-static double crossing(const jounce_family *f, int kind, const Point *a, const Point *b) {
+static inline double crossing(const jounce_family *f, int kind, const Point *a, const Point *b) {
     double step = b->s - a->s, gain = b->error - a->error, part = -a->error / gain;
     double rest = 1.0 - part, secant = a->s + step * part, bend;
     double at_a = steepness(f, kind, a), at_b = steepness(f, kind, b);
@@ -432,7 +432,7 @@ static int marks_of(const jounce_family *f, const Arc *arc, double *marks) {
 }
 
 /* Whether two profiles are one but for rounding: the last of an arc and the first of another. */
-static int are_same(const jounce_profile *a, const jounce_profile *b) {
+static inline int are_same(const jounce_profile *a, const jounce_profile *b) {
     double slack = EPSILON * b->duration;
     return a->duration >= 0.0 && magnitude(a->p - b->p) <= EPSILON * magnitude(b->p) &&
            magnitude(a->q - b->q) <= EPSILON * magnitude(b->q) &&
@@ -453,7 +453,10 @@ static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile 
             return;
         }
         if (i == 0 && are_same(&last->profile, first)) {
-            *at = *last;
+            at->profile = *first;
+            at->error = last->error;
+            at->slope = last->slope;
+            at->scale = last->scale;
         } else {
             at->profile = i == 0 ? *first : member(f, arc->kind, s);
             measure(f, at);
@@ -524,34 +527,36 @@ static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *
 /* The durations grow along an arc, so that once a profile is found no arc that begins later holds
  * a shorter one. */
 int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
-    jounce_profile firsts[MOST_ARCS], profile;
+    jounce_profile firsts[MOST_ARCS];
+    double shortest = INFINITE;
     jounce_profiles found;
     Point last;
     Arcs arcs;
-    int sorted[MOST_ARCS], i, k, any = 0;
+    int sorted[MOST_ARCS], i, seen = 0, at = -1;
     last.profile.duration = -1.0; /* of no arc */
+    found.count = 0;
     find_arcs(f, &arcs);
     sort_arcs(f, &arcs, firsts, sorted);
     for (i = 0; i < arcs.count; i++) {
         const jounce_profile *first = &firsts[sorted[i]];
-        if (any && first->duration >= best->duration) {
+        if (first->duration >= shortest) {
             break;
         }
-        found.count = 0;
         on_arc(f, &arcs.arcs[sorted[i]], first, &last, &found);
-        for (k = 0; k < found.count; k++) {
-            if (!any || found.profiles[k].duration < best->duration) {
-                *best = found.profiles[k];
-                any = 1;
+        for (; seen < found.count; seen++) {
+            if (found.profiles[seen].duration < shortest) {
+                shortest = found.profiles[seen].duration;
+                at = seen;
             }
         }
     }
-    if (cruising_there(f, any ? best->duration : INFINITE, &profile) &&
-        (!any || profile.duration < best->duration)) {
-        *best = profile;
-        any = 1;
+    if (cruising_there(f, shortest, best) && best->duration < shortest) {
+        return 1;
     }
-    return any;
+    if (at >= 0) {
+        *best = found.profiles[at];
+    }
+    return at >= 0;
 }
 
 void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {

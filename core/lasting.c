@@ -148,7 +148,9 @@ static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
         return 0;
     }
     best = bracketed(c, duration, 0.25 * EPSILON * size, low, high);
-    cruise_at(c, best.velocity, duration);
+    if (c->to.v1 != best.velocity) {
+        cruise_at(c, best.velocity, duration);
+    }
     return magnitude(best.error) <= slack;
 }
 
