@@ -19,7 +19,10 @@ FREE_THREADED = bool(sysconfig.get_config_var("Py_GIL_DISABLED"))
 """Whether this Python has no lock, and so no stable interface: its wheel is its own."""
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
-FLAGS = ["-std=c99", "-O2", "-ffp-contract=off"]
+FLAGS = [
+    *("-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden", "-Icore"),
+    "-fno-tree-slp-vectorize",  # numbers that were stored one by one would be waited for in pairs
+]
 STABLE = [] if FREE_THREADED else [("Py_LIMITED_API", "0x030B0000")]
 
 
@@ -45,8 +48,8 @@ def core() -> Extension:
     """Return the extension module jounce.core.binding."""
     return Extension(
         "jounce.core.binding",
-        sources=sorted(str(path) for path in Path("core").glob("*.c")),
-        depends=sorted(str(path) for path in Path("core").glob("*.h")),
+        sources=["core/binding.c", "building/unit.c"],
+        depends=sorted(str(path) for path in Path("core").glob("*.[ch]")),
         extra_compile_args=FLAGS,
         define_macros=STABLE,
         py_limited_api=not FREE_THREADED,

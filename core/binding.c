@@ -149,26 +149,30 @@ static int is_number(double x) { return x - x == 0.0; }
 
 /* A float or int; 0 for anything else, without an error set. */
 static int plain_number(PyObject *object, double *number) {
-    if (PyFloat_Check(object) || (PyLong_Check(object) && !PyBool_Check(object))) {
-        *number = PyFloat_AsDouble(object);
-        if (!PyErr_Occurred()) {
-            return 1;
-        }
-        PyErr_Clear();
+    if (!PyFloat_Check(object) && (!PyLong_Check(object) || PyBool_Check(object))) {
+        return 0;
     }
-    return 0;
+    *number = PyFloat_AsDouble(object);
+    if (*number == -1.0 && PyErr_Occurred()) {
+        PyErr_Clear();
+        return 0;
+    }
+    return 1;
 }
 
 /* The numbers in a tuple or list of up to `most`: how many, or -1 with TypeError. */
 static Py_ssize_t plain_numbers(PyObject *object, double *numbers, Py_ssize_t most) {
+    int is_tuple = PyTuple_Check(object);
     Py_ssize_t count = -1, i;
-    if (PyTuple_Check(object) || PyList_Check(object)) {
-        count = PySequence_Size(object);
+    if (is_tuple || PyList_Check(object)) {
+        count = is_tuple ? PyTuple_Size(object) : PyList_Size(object);
     }
     for (i = 0; i < count && count <= most; i++) {
-        PyObject *item = PySequence_GetItem(object, i);
+        PyObject *item = is_tuple ? PyTuple_GetItem(object, i) : PySequence_GetItem(object, i);
         int plain = item != NULL && plain_number(item, &numbers[i]);
-        Py_XDECREF(item);
+        if (!is_tuple) { /* others may take it out of the list meanwhile */
+            Py_XDECREF(item);
+        }
         if (!plain) {
             break;
         }
@@ -188,9 +192,10 @@ static int one_number(PyObject *object, double *number) {
     return 0;
 }
 
+/* A state, or a position at rest. */
 static int plain_state(PyObject *object, int order, jounce_state *state) {
     double values[3] = {0.0, 0.0, 0.0};
-    if (plain_numbers(object, values, order) < 0) {
+    if (!plain_number(object, &values[0]) && plain_numbers(object, values, order) < 0) {
         return 0;
     }
     if (!(is_number(values[0]) && is_number(values[1]) && is_number(values[2]))) {
@@ -493,10 +498,11 @@ static PyType_Spec pieces_spec = {
 
 /* --- Motion: what the planner returns ----------------------------------------------------------- */
 
+/* Of the pieces there is room for those that it has. */
 typedef struct {
-    PyObject_HEAD
-    jounce_motion motion;
+    PyObject_VAR_HEAD
     int order;
+    jounce_motion motion;
 } Motion;
 
 static void row_of(const jounce_piece *piece, int order, double *row) {
@@ -642,7 +648,8 @@ static PyType_Slot motion_slots[] = {
 
 static PyType_Spec motion_spec = {
     .name = "jounce.core.binding.Motion",
-    .basicsize = sizeof(Motion),
+    .basicsize = offsetof(Motion, motion.pieces),
+    .itemsize = sizeof(jounce_piece),
     .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_IMMUTABLETYPE | Py_TPFLAGS_DISALLOW_INSTANTIATION,
     .slots = motion_slots,
 };
@@ -662,51 +669,49 @@ static int problem_of(PyObject *const *args, Problem *p) {
            plain_state(args[1], p->order, &p->end);
 }
 
-static Motion *new_motion(PyObject *module, int order) {
+/* A Motion where there is one, else the status. */
+static PyObject *motion_or_status(PyObject *module, int order, const jounce_motion *motion,
+                                  jounce_status status) {
     State *state = PyModule_GetState(module);
-    Motion *self = (Motion *)PyType_GenericNew((PyTypeObject *)state->motion, NULL, NULL);
+    Motion *self;
+    if (status != JOUNCE_OK) {
+        return PyLong_FromLong((long)status);
+    }
+    self = (Motion *)PyType_GenericAlloc((PyTypeObject *)state->motion, motion->count);
     if (self != NULL) {
         self->order = order;
-    }
-    return self;
-}
-
-/* The motion where there is one, else the status. */
-static PyObject *motion_or_status(Motion *self, jounce_status status) {
-    if (status != JOUNCE_OK) {
-        Py_DECREF(self);
-        return PyLong_FromLong((long)status);
+        memcpy(&self->motion, motion, offsetof(jounce_motion, pieces) +
+                                          (size_t)motion->count * sizeof(jounce_piece));
     }
     return (PyObject *)self;
 }
 
 static PyObject *transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
     Problem p;
-    Motion *self;
+    jounce_motion motion;
+    jounce_status status;
     if (!expect(count, 3, "transfer(start, end, bounds)") || !problem_of(args, &p)) {
         return NULL;
     }
-    self = new_motion(module, p.order);
-    return self == NULL ? NULL
-                        : motion_or_status(self, jounce_transfer(&p.start, &p.end, &p.limits,
-                                                                 &self->motion));
+    status = jounce_transfer(&p.start, &p.end, &p.limits, &motion);
+    return motion_or_status(module, p.order, &motion, status);
 }
 
 static PyObject *velocity_transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
     Problem p;
-    Motion *self;
+    jounce_motion motion;
+    jounce_status status;
     if (!expect(count, 3, "velocity_transfer(start, end, bounds)") || !problem_of(args, &p)) {
         return NULL;
     }
-    self = new_motion(module, p.order);
-    return self == NULL ? NULL
-                        : motion_or_status(self, jounce_velocity_transfer(
-                                                     &p.start, &p.end, &p.limits, &self->motion));
+    status = jounce_velocity_transfer(&p.start, &p.end, &p.limits, &motion);
+    return motion_or_status(module, p.order, &motion, status);
 }
 
 static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ssize_t count) {
     Problem p;
-    Motion *self;
+    jounce_motion motion;
+    jounce_status status;
     double duration;
     if (!expect(count, 4, "transfer_lasting(start, end, bounds, duration)") ||
         !problem_of(args, &p) || !one_number(args[3], &duration)) {
@@ -716,11 +721,8 @@ static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ss
         PyErr_SetString(PyExc_ValueError, "a duration must be finite");
         return NULL;
     }
-    self = new_motion(module, p.order);
-    return self == NULL ? NULL
-                        : motion_or_status(self, jounce_transfer_lasting(
-                                                     &p.start, &p.end, &p.limits, duration,
-                                                     &self->motion));
+    status = jounce_transfer_lasting(&p.start, &p.end, &p.limits, duration, &motion);
+    return motion_or_status(module, p.order, &motion, status);
 }
 
 static PyObject *possible_durations(PyObject *module, PyObject *const *args, Py_ssize_t count) {
@@ -760,81 +762,105 @@ static jounce_state start_of(const jounce_motion *motion) {
     return start;
 }
 
-/* The durations that all axes can take, and the shortest of them; 0 with an error set. */
-static int common_duration(PyObject *motions, PyObject *bounds, jounce_limits *limits,
-                           Py_ssize_t axes, double *duration) {
+static const jounce_motion *motion_at(PyObject *motions, Py_ssize_t i) {
+    return &((Motion *)PyTuple_GetItem(motions, i))->motion;
+}
+
+/* The longest duration of some motions. */
+static double longest(PyObject *motions, Py_ssize_t axes) {
+    double duration = 0.0;
+    Py_ssize_t i;
+    for (i = 0; i < axes; i++) {
+        double own = motion_at(motions, i)->duration;
+        duration = own > duration ? own : duration;
+    }
+    return duration;
+}
+
+/* The shortest duration that all axes can take. */
+static double common_duration(PyObject *motions, const jounce_limits *limits, Py_ssize_t axes) {
     jounce_durations possible[MOST_AXES];
     Py_ssize_t i;
     for (i = 0; i < axes; i++) {
-        PyObject *one = PySequence_GetItem(motions, i), *flat = PySequence_GetItem(bounds, i);
-        const jounce_motion *motion = one != NULL ? &((Motion *)one)->motion : NULL;
-        int order = flat != NULL ? plain_limits(flat, 2, &limits[i]) : 0;
-        Py_XDECREF(one);
-        Py_XDECREF(flat);
-        if (motion == NULL || order == 0) {
-            return 0;
-        }
-        {
-            jounce_state start = start_of(motion);
-            jounce_possible_durations(&start, &motion->end, &limits[i], &possible[i]);
-        }
+        const jounce_motion *motion = motion_at(motions, i);
+        jounce_state start = start_of(motion);
+        jounce_possible_durations(&start, &motion->end, &limits[i], &possible[i]);
     }
-    *duration = jounce_common_duration(possible, (int)axes);
-    return 1;
+    return jounce_common_duration(possible, (int)axes);
 }
 
 static PyObject *lasting_or_status(PyObject *module, Motion *given, const jounce_limits *limits,
                                    double duration) {
     jounce_state start = start_of(&given->motion);
-    Motion *self;
+    jounce_motion motion;
+    jounce_status status;
     if (given->motion.duration >= duration * (1.0 - 16.0 * 2.220446049250313e-16)) {
-        Py_INCREF(given);
+        Py_INCREF((PyObject *)given);
         return (PyObject *)given;
     }
-    self = new_motion(module, given->order);
-    return self == NULL ? NULL
-                        : motion_or_status(self, jounce_transfer_lasting(&start, &given->motion.end,
-                                                                         limits, duration,
-                                                                         &self->motion));
+    status = jounce_transfer_lasting(&start, &given->motion.end, limits, duration, &motion);
+    return motion_or_status(module, given->order, &motion, status);
 }
 
-static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t count) {
-    State *state = PyModule_GetState(module);
-    jounce_limits limits[MOST_AXES];
-    Py_ssize_t axes, i;
-    double duration;
-    PyObject *result;
-    if (!expect(count, 2, "together(motions, bounds)") || !PyTuple_Check(args[0]) ||
-        !PyTuple_Check(args[1])) {
-        PyErr_SetString(PyExc_TypeError, "together(motions, bounds): expected two tuples");
-        return NULL;
-    }
-    axes = PyTuple_Size(args[0]);
-    if (axes > MOST_AXES || axes != PyTuple_Size(args[1])) {
-        PyErr_SetString(PyExc_ValueError, "together: too many axes, or not as many bounds");
-        return NULL;
-    }
-    for (i = 0; i < axes; i++) {
-        if (!PyObject_TypeCheck(PyTuple_GetItem(args[0], i), (PyTypeObject *)state->motion)) {
-            PyErr_SetString(PyExc_TypeError, "together: expected Motions");
-            return NULL;
-        }
-    }
-    if (!common_duration(args[0], args[1], limits, axes, &duration)) {
-        return NULL;
-    }
-    if (!is_number(duration)) {
-        return PyLong_FromLong((long)JOUNCE_NO_DURATION);
-    }
-    result = PyTuple_New(axes);
+/* The motions of a given duration, or the status of one that cannot take it. */
+static PyObject *all_lasting(PyObject *module, PyObject *motions, const jounce_limits *limits,
+                             double duration) {
+    Py_ssize_t axes = PyTuple_Size(motions), i;
+    PyObject *result = PyTuple_New(axes);
     for (i = 0; result != NULL && i < axes; i++) {
-        PyObject *one = lasting_or_status(module, (Motion *)PyTuple_GetItem(args[0], i),
+        PyObject *one = lasting_or_status(module, (Motion *)PyTuple_GetItem(motions, i),
                                           &limits[i], duration);
         if (one == NULL || PyLong_Check(one)) {
             Py_DECREF(result);
             return one;
         }
         PyTuple_SetItem(result, i, one);
+    }
+    return result;
+}
+
+/* Check motions and read the limits; 0 with an error set. */
+static int axes_of(PyObject *module, PyObject *motions, PyObject *bounds, jounce_limits *limits) {
+    State *state = PyModule_GetState(module);
+    Py_ssize_t axes, i;
+    if (!PyTuple_Check(motions) || !PyTuple_Check(bounds)) {
+        PyErr_SetString(PyExc_TypeError, "together(motions, bounds): expected two tuples");
+        return 0;
+    }
+    axes = PyTuple_Size(motions);
+    if (axes > MOST_AXES || axes != PyTuple_Size(bounds)) {
+        PyErr_SetString(PyExc_ValueError, "together: too many axes, or not as many bounds");
+        return 0;
+    }
+    for (i = 0; i < axes; i++) {
+        if (!PyObject_TypeCheck(PyTuple_GetItem(motions, i), (PyTypeObject *)state->motion)) {
+            PyErr_SetString(PyExc_TypeError, "together: expected Motions");
+            return 0;
+        }
+        if (plain_limits(PyTuple_GetItem(bounds, i), 2, &limits[i]) == 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Most axes can take the slowest one's time; which durations are possible is asked where not. */
+static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    jounce_limits limits[MOST_AXES];
+    Py_ssize_t axes;
+    double duration;
+    PyObject *result;
+    if (!expect(count, 2, "together(motions, bounds)") ||
+        !axes_of(module, args[0], args[1], limits)) {
+        return NULL;
+    }
+    axes = PyTuple_Size(args[0]);
+    result = all_lasting(module, args[0], limits, longest(args[0], axes));
+    if (result != NULL && PyLong_Check(result)) {
+        Py_DECREF(result);
+        duration = common_duration(args[0], limits, axes);
+        result = is_number(duration) ? all_lasting(module, args[0], limits, duration)
+                                     : PyLong_FromLong((long)JOUNCE_NO_DURATION);
     }
     return result;
 }
@@ -1174,7 +1200,7 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
     jounce_limits limits;
     jounce_status status;
     double distance, start;
-    Motion *self;
+    jounce_motion motion;
     int order, i;
     if (!expect(count, 3, "move(distance, bounds, start)") || !one_number(args[0], &distance) ||
         !one_number(args[2], &start)) {
@@ -1185,16 +1211,15 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
         return NULL;
     }
     order = plain_limits(args[1], 1, &limits);
-    self = order != 0 ? new_motion(module, order) : NULL;
-    if (self == NULL) {
+    if (order == 0) {
         return NULL;
     }
-    status = jounce_move(distance, &limits, &self->motion);
-    for (i = 0; i < self->motion.count; i++) {
-        self->motion.pieces[i].x += start;
+    status = jounce_move(distance, &limits, &motion);
+    for (i = 0; i < motion.count; i++) {
+        motion.pieces[i].x += start;
     }
-    self->motion.end.x = start + distance;
-    return motion_or_status(self, status);
+    motion.end.x = start + distance;
+    return motion_or_status(module, order, &motion, status);
 }
 
 /* --- followers ---------------------------------------------------------------------------------- */

@@ -138,6 +138,14 @@ static double bound_in_units(double bound, int exponent) {
     return is_finite(bound) ? clamp(scaled(bound, exponent), -1e36, 1e36) : bound;
 }
 
+/* Whether products of a few such numbers are far from the ends of the range. */
+static int is_mid(double x) { return x == 0.0 || (magnitude(x) > 1e-15 && magnitude(x) < 1e15); }
+
+static int is_moderate(const Seen *s) {
+    return is_mid(s->e) && is_mid(s->w) && is_mid(s->up) && is_mid(s->down) &&
+           is_mid(s->dt);
+}
+
 /* The sample with bounded acceleration, in units in which no square leaves the range. */
 static Reached sample_in_own_units(const Seen *seen, double slack, jounce_motion *m) {
     jounce_units units = units_of(seen);
@@ -227,7 +235,7 @@ static double nearer(const Seen *s, const jounce_limits *limits) {
         turn = push / jerk + 2.0 * square_root(speed / jerk);
     }
     far = 4.0 * speed * (time + turn + speed / gentle);
-    return far == far ? clamp(s->e, -far, far) : s->e;
+    return magnitude(s->e) > far ? clamp(s->e, -far, far) : s->e;
 }
 
 /* --- a sample ------------------------------------------------------------------------------------ */
@@ -296,7 +304,7 @@ jounce_status jounce_follow(const jounce_follower *f, const jounce_state *state,
         }
         r = run_out(m);
     } else {
-        r = sample_in_own_units(&s, slack, m);
+        r = is_moderate(&s) ? sample_by_speed(&s, slack, m) : sample_in_own_units(&s, slack, m);
     }
     base = wraps || s.e != off ? state->x - s.e : command;
     if (jerky && base != command) { /* as if the command were no farther than matters */

@@ -194,7 +194,7 @@ static void find_arcs(const jounce_family *f, Arcs *arcs) {
     }
 }
 
-static jounce_profile timed(const jounce_family *f, double p, double hold, double q,
+static inline jounce_profile timed(const jounce_family *f, double p, double hold, double q,
                             double dwell) {
     const jounce_task *t = &f->task;
     double moving = ((p - t->a0) + (t->a1 - q)) * f->rise_time + (p - q) * f->fall_time;
@@ -203,7 +203,7 @@ static jounce_profile timed(const jounce_family *f, double p, double hold, doubl
 }
 
 /* The member of an arc at parameter s. */
-static jounce_profile member(const jounce_family *f, int kind, double s) {
+static inline jounce_profile member(const jounce_family *f, int kind, double s) {
     const jounce_task *t = &f->task;
     double p = t->a_max, q = t->a_min, hold = 0.0, dwell = 0.0;
     switch (kind) {
@@ -231,7 +231,7 @@ static jounce_profile member(const jounce_family *f, int kind, double s) {
 }
 
 /* The derivative of the duration by the parameter. */
-static double duration_slope(const jounce_family *f, int kind, const jounce_profile *profile) {
+static inline double duration_slope(const jounce_family *f, int kind, const jounce_profile *profile) {
     double p = profile->p, q = profile->q;
     switch (kind) {
     case FREE_Q:
@@ -251,7 +251,7 @@ typedef struct {
     double distance, slope, scale; /* without the cruise; its derivative by the duration; rounding */
 } Travel;
 
-static Travel travel(const jounce_family *f, const jounce_profile *profile) {
+static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, v = t->v0, w, x, fastest;
     Travel result;
@@ -337,44 +337,84 @@ static int far_parameter(const jounce_family *f, int kind, double s, double infi
     return 0;
 }
 
-/* The profile between two parameters at which the distance errs either way. */
-static jounce_profile between(const jounce_family *f, int kind, double s, double error,
-                              double other, double other_error) {
-    double wrong_side = error, middle = s + (other - s) * (error / (error - other_error));
-    double following, slope;
-    jounce_profile profile = member(f, kind, middle);
-    int i;
-    for (i = 0; i < MOST_STEPS; i++) {
-        Travel there = travel(f, &profile);
-        error = there.distance - f->task.distance;
-        if (magnitude(error) <= EPSILON * there.scale) {
-            break;
-        }
-        if ((error < 0.0) == (wrong_side < 0.0)) {
-            s = middle;
-        } else {
-            other = middle;
-        }
-        slope = there.slope * duration_slope(f, kind, &profile);
-        following = slope != 0.0 ? middle - error / slope : s;
-        if (!(smaller(s, other) < following && following < larger(s, other))) {
-            following = 0.5 * (s + other);
-            if (following == s || following == other) {
-                break;
-            }
-        }
-        if (following == middle) {
-            break;
-        }
-        middle = following;
-        profile = member(f, kind, middle);
-    }
-    return profile;
+/* A member of an arc: by how much its distance errs, and the distance's derivative by the duration. */
+typedef struct {
+    double s, error, slope;
+    double scale; /* of rounding */
+    jounce_profile profile;
+} Point;
+
+static inline void measure(const jounce_family *f, Point *at) {
+    Travel there = travel(f, &at->profile);
+    at->error = there.distance - f->task.distance;
+    at->slope = there.slope;
+    at->scale = there.scale;
 }
 
-static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *found) {
+/* The derivative of the distance by the parameter. */
+static inline double steepness(const jounce_family *f, int kind, const Point *at) {
+    return at->slope * duration_slope(f, kind, &at->profile);
+}
+
+/* Where a cubic through two points makes the error zero; the secant where it cannot tell. */
+static inline double crossing(const jounce_family *f, int kind, const Point *a, const Point *b) {
+    double step = b->s - a->s, gain = b->error - a->error, part = -a->error / gain;
+    double rest = 1.0 - part, secant = a->s + step * part, bend;
+    double at_a = steepness(f, kind, a), at_b = steepness(f, kind, b);
+    if (!(at_a * at_b > 0.0 && at_a * gain * step > 0.0)) {
+        return secant;
+    }
+    bend = part * rest * ((gain / at_a - step) * rest - (gain / at_b - step) * part);
+    return magnitude(bend) < magnitude(step) * smaller(part, rest) ? secant + bend : secant;
+}
+
+/* The profile between two points at which the distance errs either way: Newton's iteration, which
+ * ends where the curvature seen tells that its next step leaves nothing but rounding. */
+static jounce_profile between(const jounce_family *f, int kind, const Point *first,
+                              const Point *last) {
+    double low = smaller(first->s, last->s), high = larger(first->s, last->s);
+    int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
+    double following = crossing(f, kind, first, last), moved = 0.0, steep_before = 0.0;
+    Point at;
+    for (i = 0; i < MOST_STEPS; i++) {
+        double steep;
+        at.s = following;
+        at.profile = member(f, kind, following);
+        measure(f, &at);
+        if (magnitude(at.error) <= EPSILON * at.scale) {
+            break;
+        }
+        if ((at.error < 0.0) == low_is_short) {
+            low = at.s;
+        } else {
+            high = at.s;
+        }
+        steep = steepness(f, kind, &at);
+        following = steep != 0.0 ? at.s - at.error / steep : low;
+        if (!(low < following && following < high)) {
+            following = 0.5 * (low + high);
+            if (following == low || following == high) {
+                break;
+            }
+        } else if (i > 0) {
+            double step = following - at.s, bend = (steep - steep_before) * step * step;
+            if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
+                return member(f, kind, following);
+            }
+        }
+        moved = following - at.s;
+        steep_before = steep;
+        if (moved == 0.0) {
+            break;
+        }
+    }
+    return at.profile;
+}
+
+/* Put the turning points inside an arc between its ends; returns the number of all marks. */
+static int marks_of(const jounce_family *f, const Arc *arc, double *marks) {
     double low = smaller(arc->first, arc->last), high = larger(arc->first, arc->last);
-    double turns[2], marks[4], s_before = 0.0, error_before = 0.0;
+    double turns[2];
     int n = turning_points(f, arc->kind, turns), count = 1, i;
     marks[0] = arc->first;
     for (i = 0; i < n; i++) {
@@ -388,26 +428,49 @@ static void on_arc(const jounce_family *f, const Arc *arc, jounce_profiles *foun
         marks[2] = turn;
     }
     marks[count++] = arc->last;
+    return count;
+}
+
+/* Whether two profiles are one but for rounding: the last of an arc and the first of another. */
+static inline int are_same(const jounce_profile *a, const jounce_profile *b) {
+    double slack = EPSILON * b->duration;
+    return a->duration >= 0.0 && magnitude(a->p - b->p) <= EPSILON * magnitude(b->p) &&
+           magnitude(a->q - b->q) <= EPSILON * magnitude(b->q) &&
+           magnitude(a->hold - b->hold) <= slack && magnitude(a->dwell - b->dwell) <= slack;
+}
+
+/* Keep the profiles of an arc of which the first member is given. `last` is that of the arc before,
+ * and becomes that of this one. */
+static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile *first,
+                   Point *last, jounce_profiles *found) {
+    double marks[4];
+    int count = marks_of(f, arc, marks), i;
+    Point points[2];
     for (i = 0; i < count; i++) {
-        double s = marks[i], error;
-        jounce_profile profile;
-        Travel there;
-        if (!is_finite(s) && !far_parameter(f, arc->kind, s_before, s, &s)) {
+        Point *at = &points[i % 2], *before = &points[(i + 1) % 2];
+        double s = marks[i];
+        if (!is_finite(s) && !far_parameter(f, arc->kind, before->s, s, &s)) {
             return;
         }
-        profile = member(f, arc->kind, s);
-        there = travel(f, &profile);
-        error = there.distance - f->task.distance;
-        if (magnitude(error) <= 4.0 * ROUNDING * there.scale + f->blur) {
-            keep(&profile, found);
-            error = 0.0;
-        } else if (i > 0 && error_before * error < 0.0) {
-            profile = between(f, arc->kind, s_before, error_before, s, error);
+        if (i == 0 && are_same(&last->profile, first)) {
+            at->profile = *first;
+            at->error = last->error;
+            at->slope = last->slope;
+            at->scale = last->scale;
+        } else {
+            at->profile = i == 0 ? *first : member(f, arc->kind, s);
+            measure(f, at);
+        }
+        at->s = s;
+        if (magnitude(at->error) <= 4.0 * ROUNDING * at->scale + f->blur) {
+            keep(&at->profile, found);
+            at->error = 0.0;
+        } else if (i > 0 && before->error * at->error < 0.0) {
+            jounce_profile profile = between(f, arc->kind, before, at);
             keep(&profile, found);
         }
-        s_before = s;
-        error_before = error;
     }
+    *last = points[(count - 1) % 2];
 }
 
 /* The profile that touches v_max with zero acceleration. */
@@ -432,10 +495,11 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
-/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance. */
-static int cruising_there(const jounce_family *f, jounce_profile *profile) {
+/* The profile that touches v_max, or cruises there; 0 where it does not cover the distance, or takes
+ * as long as is allowed. */
+static int cruising_there(const jounce_family *f, double longest, jounce_profile *profile) {
     double v_max = f->task.v_max, rest, slack;
-    if (!cruising(f, profile)) {
+    if (!cruising(f, profile) || profile->duration >= longest) {
         return 0;
     }
     rest = f->task.distance - travel(f, profile).distance;
@@ -449,57 +513,65 @@ static int cruising_there(const jounce_family *f, jounce_profile *profile) {
 }
 
 /* Sort arcs by the durations with which they begin. */
-static void sort_arcs(const jounce_family *f, Arcs *arcs, double *durations) {
+static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *firsts, int *sorted) {
     int i, k;
     for (i = 0; i < arcs->count; i++) {
-        Arc arc = arcs->arcs[i];
-        double duration = member(f, arc.kind, arc.first).duration;
-        for (k = i; k > 0 && durations[k - 1] > duration; k--) {
-            durations[k] = durations[k - 1];
-            arcs->arcs[k] = arcs->arcs[k - 1];
+        firsts[i] = member(f, arcs->arcs[i].kind, arcs->arcs[i].first);
+        for (k = i; k > 0 && firsts[sorted[k - 1]].duration > firsts[i].duration; k--) {
+            sorted[k] = sorted[k - 1];
         }
-        durations[k] = duration;
-        arcs->arcs[k] = arc;
+        sorted[k] = i;
     }
 }
 
 /* The durations grow along an arc, so that once a profile is found no arc that begins later holds
  * a shorter one. */
 int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
-    double durations[MOST_ARCS];
+    jounce_profile firsts[MOST_ARCS];
+    double shortest = INFINITE;
     jounce_profiles found;
-    jounce_profile profile;
+    Point last;
     Arcs arcs;
-    int i, k, any = 0;
+    int sorted[MOST_ARCS], i, seen = 0, at = -1;
+    last.profile.duration = -1.0; /* of no arc */
+    found.count = 0;
     find_arcs(f, &arcs);
-    sort_arcs(f, &arcs, durations);
-    for (i = 0; i < arcs.count && !(any && durations[i] >= best->duration); i++) {
-        found.count = 0;
-        on_arc(f, &arcs.arcs[i], &found);
-        for (k = 0; k < found.count; k++) {
-            if (!any || found.profiles[k].duration < best->duration) {
-                *best = found.profiles[k];
-                any = 1;
+    sort_arcs(f, &arcs, firsts, sorted);
+    for (i = 0; i < arcs.count; i++) {
+        const jounce_profile *first = &firsts[sorted[i]];
+        if (first->duration >= shortest) {
+            break;
+        }
+        on_arc(f, &arcs.arcs[sorted[i]], first, &last, &found);
+        for (; seen < found.count; seen++) {
+            if (found.profiles[seen].duration < shortest) {
+                shortest = found.profiles[seen].duration;
+                at = seen;
             }
         }
     }
-    if (cruising_there(f, &profile) && (!any || profile.duration < best->duration)) {
-        *best = profile;
-        any = 1;
+    if (cruising_there(f, shortest, best) && best->duration < shortest) {
+        return 1;
     }
-    return any;
+    if (at >= 0) {
+        *best = found.profiles[at];
+    }
+    return at >= 0;
 }
 
 void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     jounce_profile profile;
+    Point last;
     Arcs arcs;
     int i;
+    last.profile.duration = -1.0; /* of no arc */
     found->count = 0;
     find_arcs(f, &arcs);
     for (i = 0; i < arcs.count; i++) {
-        on_arc(f, &arcs.arcs[i], found);
+        profile = member(f, arcs.arcs[i].kind, arcs.arcs[i].first);
+        on_arc(f, &arcs.arcs[i], &profile, &last, found);
     }
-    if (cruising_there(f, &profile)) {
+    if (cruising_there(f, INFINITE, &profile)) {
         keep(&profile, found);
     }
 }

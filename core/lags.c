@@ -42,7 +42,7 @@ void jounce_lags_behind(double *lags, int count, const jounce_motion *motion, do
                         double omega) {
     double left = duration;
     int i;
-    for (i = 0; i < motion->count && left > 0.0; i++) {
+    for (i = 0; count > 0 && i < motion->count && left > 0.0; i++) {
         const jounce_piece *piece = &motion->pieces[i];
         double tau = smaller(piece->duration, left), state[4];
         state[0] = piece->x;

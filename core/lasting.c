@@ -15,20 +15,23 @@ static double nan_value(void) { return INFINITE - INFINITE; }
 
 static int is_nan(double x) { return x != x; }
 
-static Cruise cruise_at(const jounce_task *task, double velocity, double duration) {
-    Cruise c;
-    c.to = c.from = *task;
-    c.to.v1 = c.from.v0 = velocity;
-    c.to.a1 = c.from.a0 = 0.0;
-    c.first = jounce_change_velocity(&c.to);
-    c.last = jounce_change_velocity(&c.from);
-    c.cruise = duration - c.first.duration - c.last.duration;
-    if (c.cruise < -ROUNDING * duration || jounce_change_leaves_bounds(&c.from, &c.last)) {
-        c.error = nan_value();
+/* What does not depend on the velocity kept. */
+static void begin_cruise(const jounce_task *task, Cruise *c) {
+    c->to = c->from = *task;
+    c->to.a1 = c->from.a0 = 0.0;
+}
+
+static void cruise_at(Cruise *c, double velocity, double duration) {
+    c->to.v1 = c->from.v0 = velocity;
+    c->first = jounce_change_velocity(&c->to);
+    c->last = jounce_change_velocity(&c->from);
+    c->cruise = duration - c->first.duration - c->last.duration;
+    if (c->cruise < -ROUNDING * duration || jounce_change_leaves_bounds(&c->from, &c->last)) {
+        c->error = nan_value();
     } else {
-        c.error = c.first.distance + c.last.distance + velocity * c.cruise - task->distance;
+        c->error =
+            c->first.distance + c->last.distance + velocity * c->cruise - c->to.distance;
     }
-    return c;
 }
 
 /* The velocity reached when acceleration goes to zero as fast as it can. */
@@ -38,100 +41,87 @@ static double settling(double velocity, double acceleration, const jounce_task *
     return clamp(velocity + gain, task->v_min, task->v_max);
 }
 
+/* A velocity, the distance's error and its derivative by the velocity: a higher one shifts all that
+ * is between the two outer ramps. */
 typedef struct {
-    double velocity, error;
+    double velocity, error, slope;
 } Trial;
 
-static Trial trial(const jounce_task *task, double velocity, double duration) {
+static Trial trial(Cruise *c, double velocity, double duration) {
     Trial result;
+    double back = 0.0;
+    cruise_at(c, velocity, duration);
+    if (is_finite(c->to.rise)) {
+        back = -c->first.peak / c->first.back + c->last.peak / c->last.jerk;
+    }
     result.velocity = velocity;
-    result.error = cruise_at(task, velocity, duration).error;
+    result.error = c->error;
+    result.slope = c->cruise + 0.5 * back;
     return result;
 }
 
 /* A velocity towards a bound at which the error has changed sign, or is not known. */
-static Trial trial_towards(const jounce_task *task, double velocity, double bound, double duration) {
-    double step = larger(magnitude(velocity), 1.0), before;
+static Trial trial_towards(Cruise *c, Trial from, double bound, double duration) {
+    double step = larger(magnitude(from.velocity), 1.0);
+    Trial at;
     int i;
     if (is_finite(bound)) {
-        return trial(task, bound, duration);
+        return trial(c, bound, duration);
     }
     step = bound > 0.0 ? step : -step;
-    before = trial(task, velocity, duration).error;
     for (i = 0; i < 1000; i++) {
-        if (!(trial(task, velocity + step, duration).error * before > 0.0)) {
+        at = trial(c, from.velocity + step, duration);
+        if (!(at.error * from.error > 0.0)) {
             break;
         }
         step *= 2.0;
     }
-    return trial(task, velocity + step, duration);
+    return at;
 }
 
-/* Where an increasing error is nearest to zero; at one end it may be NaN (far). False position,
- * the weight of an end that stays halved each time, which bisects where the error is NaN. */
-static Trial bracketed(const jounce_task *task, double duration, Trial low, Trial high) {
-    Trial best = low;
-    double low_error, high_error;
-    int unknown_is_high = is_nan(high.error), k, side = 0;
+/* Where an increasing error is nearest to zero; at one end it may be NaN (far). Newton's iteration
+ * from the nearer end, which bisects where it leaves the bracket or gains too little. */
+static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Trial high) {
+    Trial best = low, at;
+    int unknown_is_high = is_nan(high.error), k;
     if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
         best = high;
     }
-    low_error = low.error;
-    high_error = high.error;
-    for (k = 0; k < MOST_ITERATIONS; k++) {
-        double middle = 0.5 * (low.velocity + high.velocity), secant;
-        Trial at;
-        if (k % 8 != 7 && high_error > low_error) {
-            secant = low.velocity - low_error * (high.velocity - low.velocity) /
-                                        (high_error - low_error);
-            if (low.velocity < secant && secant < high.velocity) {
-                middle = secant;
+    at = best;
+    for (k = 0; k < MOST_ITERATIONS && magnitude(best.error) > noise; k++) {
+        double following = at.velocity - at.error / at.slope;
+        if (!(low.velocity < following && following < high.velocity) || k % 8 == 7) {
+            following = 0.5 * (low.velocity + high.velocity);
+            if (!(low.velocity < following && following < high.velocity)) {
+                break;
             }
         }
-        if (!(low.velocity < middle && middle < high.velocity)) {
-            break;
-        }
-        at = trial(task, middle, duration);
-        if (is_nan(at.error)) {
-            if (unknown_is_high) {
-                high = at;
-                high_error = at.error;
-            } else {
-                low = at;
-                low_error = at.error;
-            }
-            continue;
-        }
+        at = trial(c, following, duration);
         if (magnitude(at.error) < magnitude(best.error)) {
             best = at;
         }
-        if (at.error == 0.0) {
-            break;
-        }
-        if (at.error < 0.0) {
-            low = at;
-            low_error = at.error;
-            high_error *= side < 0 ? 0.5 : 1.0;
-            side = -1;
-        } else {
+        if (is_nan(at.error) ? unknown_is_high : at.error >= 0.0) {
             high = at;
-            high_error = at.error;
-            low_error *= side > 0 ? 0.5 : 1.0;
-            side = 1;
+        } else {
+            low = at;
+        }
+        if (is_nan(at.error)) {
+            at = best;
         }
     }
     return best;
 }
 
-/* The velocity to cruise at so as to cover the distance in the duration; 0 where none suits. */
-static int cruising_velocity(const jounce_task *task, double duration, double *velocity) {
+/* Find the velocity to cruise at so as to cover the distance in the duration; 0 where none suits. */
+static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
     double speed = larger(magnitude(task->v0), magnitude(task->v1));
-    double slack =
-        task->resolution + 64.0 * ROUNDING * (magnitude(task->distance) + speed * duration);
-    Trial nearest[2], low = {0, 0}, high = {0, 0}, best;
+    double size = magnitude(task->distance) + speed * duration;
+    double slack = task->resolution + 64.0 * ROUNDING * size;
+    Trial nearest[2], low = {0.0, 0.0, 0.0}, high = {0.0, 0.0, 0.0}, best;
     int have_low = 0, have_high = 0, i;
-    nearest[0] = trial(task, settling(task->v0, task->a0, task), duration);
-    nearest[1] = trial(task, settling(task->v1, -task->a1, task), duration);
+    begin_cruise(task, c);
+    nearest[0] = trial(c, settling(task->v0, task->a0, task), duration);
+    nearest[1] = trial(c, settling(task->v1, -task->a1, task), duration);
     for (i = 0; i < 2; i++) {
         Trial at = nearest[i];
         if (is_nan(at.error)) {
@@ -150,28 +140,28 @@ static int cruising_velocity(const jounce_task *task, double duration, double *v
         return 0;
     }
     if (!have_low) {
-        low = trial_towards(task, high.velocity, task->v_min, duration);
+        low = trial_towards(c, high, task->v_min, duration);
     } else if (!have_high) {
-        high = trial_towards(task, low.velocity, task->v_max, duration);
+        high = trial_towards(c, low, task->v_max, duration);
     }
     if (is_nan(low.error) && is_nan(high.error)) {
         return 0;
     }
-    best = bracketed(task, duration, low, high);
-    *velocity = best.velocity;
+    best = bracketed(c, duration, 0.25 * EPSILON * size, low, high);
+    if (c->to.v1 != best.velocity) {
+        cruise_at(c, best.velocity, duration);
+    }
     return magnitude(best.error) <= slack;
 }
 
 static int by_cruising(const jounce_task *task, double duration, double start, double end,
                        jounce_motion *motion) {
-    double velocity;
     Cruise c;
-    if (!cruising_velocity(task, duration, &velocity)) {
+    if (!find_cruise(task, duration, &c)) {
         return 0;
     }
-    c = cruise_at(task, velocity, duration);
     jounce_change_pieces(&c.to, &c.first, start, motion);
-    jounce_add(motion, c.cruise, start + c.first.distance, velocity, 0.0, 0.0);
+    jounce_add(motion, c.cruise, start + c.first.distance, c.from.v0, 0.0, 0.0);
     jounce_change_pieces(&c.from, &c.last, end - c.last.distance, motion);
     return 1;
 }
@@ -263,9 +253,9 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
     }
     jounce_start_inside(&p);
     left = scaled(duration, -p.units.time) - p.way.duration;
-    *motion = p.way;
+    jounce_begin_with(&p.way, motion);
     if (!by_cruising(&p.task, left, p.position, p.goal, motion)) {
-        *motion = p.way;
+        jounce_begin_with(&p.way, motion);
         if (!by_mean(&p.task, left, p.position, motion)) {
             return JOUNCE_NO_DURATION;
         }

@@ -209,6 +209,26 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
 
 static int moderate(double x) { return x == INFINITE || (x > 1e-60 && x < 1e60); }
 
+/* The duration within bounds that are the same both ways; squares must not leave the range. */
+static double even_duration(double distance, const Bounds *b) {
+    double velocity = b->velocity, acceleration = b->up, jerk = b->rising, half;
+    double push = is_finite(jerk) ? acceleration / jerk : 0.0, hold = velocity / acceleration;
+    if (hold >= push) { /* the acceleration is reached before the velocity */
+        if (distance >= velocity * (hold + push)) {
+            return distance / velocity + hold + push;
+        }
+        if (distance >= 2.0 * acceleration * push * push) {
+            return push + square_root(push * push + 4.0 * distance / acceleration);
+        }
+    } else {
+        half = square_root(velocity / jerk);
+        if (distance >= 2.0 * velocity * half) {
+            return distance / velocity + 2.0 * half;
+        }
+    }
+    return 4.0 * cube_root(0.5 * distance / jerk);
+}
+
 /* Its duration alone; NaN where there is none. */
 double jounce_move_duration(double distance, const jounce_limits *l) {
     jounce_task t = {distance,  0.0,       0.0,      0.0,        0.0,       l->v_low, l->v_high,
@@ -216,12 +236,16 @@ double jounce_move_duration(double distance, const jounce_limits *l) {
     Bounds b = forward_bounds(&t);
     jounce_motion motion;
     Shape s;
-    if ((is_finite(b.up) || is_finite(b.rising)) && moderate(magnitude(distance)) &&
+    distance = magnitude(distance);
+    if ((is_finite(b.up) || is_finite(b.rising)) && moderate(distance) &&
         moderate(b.velocity) && moderate(b.up) && moderate(b.down) && moderate(b.rising) &&
         moderate(b.falling)) {
-        s = shape_of(magnitude(distance), &b);
+        if (is_even(&b)) {
+            return even_duration(distance, &b);
+        }
+        s = shape_of(distance, &b);
         return ramp_time(&s.up) + s.cruise + ramp_time(&s.down);
     }
-    return jounce_move(distance, l, &motion) == JOUNCE_OK ? motion.duration
-                                                          : INFINITE - INFINITE;
+    return jounce_move(t.distance, l, &motion) == JOUNCE_OK ? motion.duration
+                                                            : INFINITE - INFINITE;
 }

@@ -21,7 +21,13 @@ typedef union {
     uint64_t bits;
 } jounce_bits;
 
-static inline double magnitude(double x) { return x < 0.0 ? -x : x; }
+static inline double magnitude(double x) {
+#if defined(__GNUC__)
+    return __builtin_fabs(x); /* an instruction, not a call */
+#else
+    return x < 0.0 ? -x : x;
+#endif
+}
 
 static inline double smaller(double a, double b) { return b < a ? b : a; }
 
@@ -122,7 +128,7 @@ static inline double square_root(double x) {
 }
 #endif
 
-/* The cube root, to about an ulp. */
+/* The cube root, to about an ulp: a parabola within 1.6 %, then Halley's iteration twice. */
 static inline double cube_root(double x) {
     int exponent, third, i;
     double y, size = magnitude(x);
@@ -130,11 +136,12 @@ static inline double cube_root(double x) {
         return x;
     }
     exponent = exponent_of(size);
-    third = exponent >= 0 ? (exponent + 2) / 3 : -(-exponent / 3);
-    size = scaled(size, -3 * third); /* 1/16 <= size < 1 */
-    y = 0.5 + 0.5 * size;
-    for (i = 0; i < 7; i++) { /* Newton */
-        y -= (y - size / (y * y)) / 3.0;
+    third = (exponent + 3002) / 3 - 1000; /* of 3000, which keeps it positive */
+    size = scaled(size, -3 * third); /* 1/8 <= size < 1 */
+    y = 0.381250062902365 + (1.0723052018930965 - 0.46946103060149097 * size) * size;
+    for (i = 0; i < 2; i++) {
+        double cube = y * y * y;
+        y -= y * (cube - size) / (2.0 * cube + size);
     }
     y = scaled(y, third);
     return x < 0.0 ? -y : y;

@@ -15,21 +15,21 @@ enum { NOTHING = -100000 };
 #define STEEPEST_ACCELERATION 1.3292279957849159e36 /* 2^120 */
 #define STEEPEST_JERK 1.6069380442589903e60 /* 2^200 */
 
-static int most(int a, int b) { return a > b ? a : b; }
+static inline int most(int a, int b) { return a > b ? a : b; }
 
 /* ceil(a / b) for b > 0 */
-static int over(int a, int b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
+static inline int over(int a, int b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
 
 /* Exponent of the time that a quantity takes under a bound on its derivative n; both may be
  * absent. */
-static int time_under(int quantity, double bound, int n) {
+static inline int time_under(int quantity, double bound, int n) {
     if (quantity == NOTHING || !is_finite(bound) || bound == 0.0) {
         return NOTHING;
     }
     return over(quantity - exponent_of(bound), n);
 }
 
-static int exponent_or_nothing(double x) { return x == 0.0 ? NOTHING : exponent_of(x); }
+static inline int exponent_or_nothing(double x) { return x == 0.0 ? NOTHING : exponent_of(x); }
 
 static double in_units(double x, int exponent) { return is_finite(x) ? scaled(x, exponent) : x; }
 
@@ -93,32 +93,28 @@ static void drop_far_bounds(jounce_task *t) {
 /* Whether 2^exponent is a normal number, so that products with it round once at most. */
 static int is_normal(int exponent) { return exponent >= -1022 && exponent <= 1023; }
 
-/* Multiply numbers, which may be infinite, by 2^exponent. */
-static void scale(double *const *numbers, int count, int exponent) {
-    int i;
-    if (is_normal(exponent)) {
-        double factor = power_of_two(exponent);
-        for (i = 0; i < count; i++) {
-            *numbers[i] *= factor;
-        }
-    } else {
-        for (i = 0; i < count; i++) {
-            *numbers[i] = in_units(*numbers[i], exponent);
-        }
-    }
+/* Multiply a number, which may be infinite, by 2^exponent, which is `factor` where normal. */
+static inline double times(double x, int exponent, int normal, double factor) {
+    return normal ? x * factor : in_units(x, exponent);
 }
 
 jounce_units jounce_to_own_units(jounce_task *task, double duration) {
     jounce_units units = own_units(task, duration);
-    int v = units.time - units.length, a = v + units.time, j = a + units.time;
-    double *const distances[] = {&task->distance, &task->resolution};
-    double *const velocities[] = {&task->v0, &task->v1, &task->v_min, &task->v_max};
-    double *const accelerations[] = {&task->a0, &task->a1, &task->a_min, &task->a_max};
-    double *const jerks[] = {&task->rise, &task->fall};
-    scale(distances, 2, -units.length);
-    scale(velocities, 4, v);
-    scale(accelerations, 4, a);
-    scale(jerks, 2, j);
+    int x = -units.length, v = x + units.time, a = v + units.time, j = a + units.time;
+    int normal = is_normal(x) && is_normal(v) && is_normal(a) && is_normal(j);
+    double fx = power_of_two(x), fv = power_of_two(v), fa = power_of_two(a), fj = power_of_two(j);
+    task->distance = times(task->distance, x, normal, fx);
+    task->resolution = times(task->resolution, x, normal, fx);
+    task->v0 = times(task->v0, v, normal, fv);
+    task->v1 = times(task->v1, v, normal, fv);
+    task->v_min = times(task->v_min, v, normal, fv);
+    task->v_max = times(task->v_max, v, normal, fv);
+    task->a0 = times(task->a0, a, normal, fa);
+    task->a1 = times(task->a1, a, normal, fa);
+    task->a_min = times(task->a_min, a, normal, fa);
+    task->a_max = times(task->a_max, a, normal, fa);
+    task->rise = times(task->rise, j, normal, fj);
+    task->fall = times(task->fall, j, normal, fj);
     drop_far_bounds(task);
     return units;
 }

@@ -173,4 +173,7 @@ jounce_status jounce_finish(const jounce_problem *problem, const jounce_state *e
 
 void jounce_clear(jounce_motion *motion);
 
+/* Start a motion with the way inside. */
+void jounce_begin_with(const jounce_motion *way, jounce_motion *motion);
+
 #endif

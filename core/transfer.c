@@ -6,17 +6,21 @@
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
 int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
     int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, side = 0, k;
-    jounce_task mirrored = jounce_mirrored(task);
-    jounce_family family, best_family;
+    jounce_family families[2];
     jounce_profile profile, best = {0};
     for (k = 0; k < 2; k++) {
         turn = k == 0 ? down : !down;
-        jounce_make_family(turn ? &mirrored : task, &family);
-        if (jounce_shortest(&family, &profile) && (!any || profile.duration < best.duration)) {
+        if (turn) {
+            jounce_task mirrored = jounce_mirrored(task);
+            jounce_make_family(&mirrored, &families[1]);
+        } else {
+            jounce_make_family(task, &families[0]);
+        }
+        if (jounce_shortest(&families[turn], &profile) &&
+            (!any || profile.duration < best.duration)) {
             any = 1;
             side = turn;
             best = profile;
-            best_family = family;
         }
         if (any && task->a0 * task->a1 <= 0.0) {
             break;
@@ -27,10 +31,10 @@ int jounce_fastest(const jounce_task *task, double start, double end, jounce_mot
     }
     if (side) {
         int first = motion->count;
-        jounce_pieces_of(&best_family, &best, -start, -end, motion);
+        jounce_pieces_of(&families[1], &best, -start, -end, motion);
         jounce_turn(motion, first);
     } else {
-        jounce_pieces_of(&best_family, &best, start, end, motion);
+        jounce_pieces_of(&families[0], &best, start, end, motion);
     }
     return 1;
 }
@@ -40,6 +44,16 @@ int jounce_fastest(const jounce_task *task, double start, double end, jounce_mot
 void jounce_clear(jounce_motion *motion) {
     motion->count = 0;
     motion->duration = motion->inside_after = 0.0;
+}
+
+void jounce_begin_with(const jounce_motion *way, jounce_motion *motion) {
+    int i;
+    motion->count = way->count;
+    motion->duration = way->duration;
+    motion->inside_after = way->inside_after;
+    for (i = 0; i < way->count; i++) {
+        motion->pieces[i] = way->pieces[i];
+    }
 }
 
 static void scale_up(const jounce_problem *p, jounce_motion *motion) {
@@ -155,7 +169,7 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
             return jounce_finish(&p, end, limits, motion);
         }
     }
-    *motion = p.way;
+    jounce_begin_with(&p.way, motion);
     if (!jounce_fastest(&p.task, p.position, p.goal, motion)) {
         return JOUNCE_UNREACHABLE;
     }

@@ -7,23 +7,26 @@
 #include "task.h"
 
 static jounce_change by_rising(const jounce_task *t) {
-    double rise = t->rise, fall = t->fall, a0 = t->a0, a1 = t->a1, v = t->v0;
-    double kappa = 0.5 / rise + 0.5 / fall;
-    double square = (t->v1 - t->v0 + 0.5 * a0 * a0 / rise + 0.5 * a1 * a1 / fall) / kappa;
+    double a0 = t->a0, a1 = t->a1, v = t->v0, rising, falling;
+    double rise_time = 1.0 / t->rise, fall_time = 1.0 / t->fall; /* of a unit of acceleration */
+    double kappa = 0.5 * rise_time + 0.5 * fall_time;
+    double square = (t->v1 - t->v0 + 0.5 * a0 * a0 / t->rise + 0.5 * a1 * a1 / t->fall) / kappa;
     double top = larger(a0, a1), peak = larger(square_root(larger(square, 0.0)), top);
     jounce_change change = {0};
     if (peak > t->a_max && t->a_max >= top) {
         change.hold = kappa * (square - t->a_max * t->a_max) / t->a_max;
         peak = t->a_max;
     }
-    change.distance = ramp(&v, a0, peak, rise);
+    rising = (peak - a0) * rise_time;
+    falling = (peak - a1) * fall_time;
+    change.distance = ramp_in(&v, a0, peak, rising);
     change.distance += (v + 0.5 * peak * change.hold) * change.hold;
     v += peak * change.hold;
-    change.distance += ramp(&v, peak, a1, -fall);
-    change.duration = (peak - a0) / rise + change.hold + (peak - a1) / fall;
+    change.distance += ramp_in(&v, peak, a1, falling);
+    change.duration = rising + change.hold + falling;
     change.peak = peak;
-    change.jerk = rise;
-    change.back = -fall;
+    change.jerk = t->rise;
+    change.back = -t->fall;
     return change;
 }
 

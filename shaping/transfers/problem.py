@@ -38,8 +38,10 @@ class Transfer(Trajectory):
     @classmethod
     def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
         """Return a motion of the core, planned with limits."""
-        transfer = cls.of_motion(motion)
-        transfer.__dict__.update(limits=limits, inside_after=motion.inside_after)
+        transfer = object.__new__(cls)
+        fields = transfer.__dict__  # the way around `frozen`
+        fields["_motion"], fields["coasting"], fields["limits"] = motion, 1, limits
+        fields["inside_after"] = motion.inside_after
         return transfer
 
     def __repr__(self) -> str:

@@ -78,7 +78,7 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
         raise TypeError(f"transfers = {shown(transfers)}: expected a list with one entry per axis")
     transfers = list(transfers)
-    if mode == "both" and transfers and all(type(one) is Transfer for one in transfers):
+    if mode == "both" and set(map(type, transfers)) == {Transfer}:
         together = _in_the_core(transfers)  # type: ignore[arg-type]
         if together is not None:
             return together
@@ -96,16 +96,18 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
 
 def _in_the_core(transfers: list[Transfer]) -> tuple[Transfer, ...] | None:
     """Return transfers as they were planned, slowed down to one duration; None for others."""
-    motions = tuple(vars(one)["_motion"] for one in transfers if "_motion" in vars(one))
     limits = [one.limits for one in transfers if one.limits is not None]
+    motions = tuple([vars(one)["_motion"] for one in transfers if "_motion" in vars(one)])
     if not len(motions) == len(limits) == len(transfers):
         return None
-    found = core.together(motions, tuple(each.flat for each in limits))
+    found = core.together(motions, tuple([each.flat for each in limits]))
     if isinstance(found, int):
         return None
     return tuple(
-        one if motion is before else Transfer.of(motion, each)
-        for one, before, motion, each in zip(transfers, motions, found, limits, strict=True)
+        [
+            one if motion is before else Transfer.of(motion, each)
+            for one, before, motion, each in zip(transfers, motions, found, limits, strict=True)
+        ]
     )
 
 

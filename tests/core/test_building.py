@@ -79,3 +79,9 @@ def test_the_source_is_installed_where_there_is_no_compiler(tmp_path):
         "print(module.transfer((0.0,), (1.0,), (-1.0, 1.0, -1.0, 1.0)).duration)"
     )
     assert float(python(code, tmp_path)) == 2.0
+
+
+def test_every_file_of_the_core_is_in_its_unit():
+    unit = (ROOT / "building" / "unit.c").read_text(encoding="utf-8")
+    for path in (ROOT / "core").glob("*.c"):
+        assert (f'"../core/{path.name}"' in unit) == (path.name != "binding.c")
