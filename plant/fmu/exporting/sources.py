@@ -89,6 +89,7 @@ def _constants(block: Block, token: str) -> str:
         "TOKEN": _text(token),
         "N_VARIABLES": str(len(block.variables)),
         "N_MEMORY": str(block.memory),
+        "N_WORK": str(block.work),
         **({"HAS_PARTIALS": "1"} if block.partials else {}),
         **{v.macro: str(k) for k, v in enumerate(block.variables) if v.macro},
         **block.constants,
