@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .check_command import CHECK_FAILED, OVERRIDES, check_command
+from .export_commands import export_app
 from .fmu_commands import fmu_app
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ app = typer.Typer(
 )
 app.command("check")(check_command)
 app.add_typer(fmu_app, name="fmu")
+app.add_typer(export_app, name="export")
 
 
 def main() -> None:

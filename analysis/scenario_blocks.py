@@ -1,4 +1,4 @@
-"""The blocks of a scenario that can leave as FMUs: shaper, filter, controller, plant, loop."""
+"""The blocks of a scenario that leave as FMUs and C: shaper, filter, controller, plant, loop."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..plant import Inertia, InertiaFeedforward, ServoLoop
-from ..plant.fmu import FmuExport, SampledController, export_fmu
+from ..plant.fmu import CExport, FmuExport, SampledController, export_c, export_fmu
 from ..shaping import CommandFollower, JerkFilter, Limits, Trajectory, min_time_move
 from .scenario import Move, Scenario
 from .survey import controller_of
@@ -20,7 +20,9 @@ BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "
 BLOCKS: tuple[str, ...] = get_args(BlockName)
 """Names of the blocks; "loop" is all but the follower together."""
 
-OF_A_MOVE = ("trajectory", "follower", "loop")
+FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant"]
+
+OF_A_MOVE = ("trajectory", "follower", "shaper", "loop")
 """Blocks that need a move of the scenario."""
 
 
@@ -64,11 +66,7 @@ def export_block(
     if block == "loop":
         from ..plant.fmu.exporting.ssp import export_ssp
 
-        names = [own.name for own in scenario.moves]
-        notes: tuple[str, ...] = ()
-        if move is None and len(names) > 1:
-            move, others = names[0], ", ".join(map(repr, names[1:]))
-            notes = (f"The move is {move!r}, the first; --move takes another: {others}",)
+        move, notes = _first_of(scenario, move)
         made = export_ssp(
             path,
             trajectory_of(scenario, move),
@@ -84,10 +82,65 @@ def export_block(
     return export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
 
 
-def _source(scenario: Scenario, block: BlockName, dt: float, move: str | None) -> Any:
+def export_c_block(
+    scenario: Scenario,
+    block: FirmwareName,
+    folder: Path,
+    *,
+    dt: float,
+    move: str | None = None,
+    name: str | None = None,
+) -> tuple[CExport, tuple[str, ...]]:
+    """Write a block of a scenario as C99, in rad or m and s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    block : "shaper", "trajectory", "follower", "filter", "controller" or "plant"
+        A shaper is the follower; without a move it takes the limits of the first.
+    folder : Path
+        As in `export_c`.
+    dt : float
+        Sample time of what is sampled: controller, follower, shaper.
+    move : str, optional
+        Name of the move for a trajectory, follower or shaper.
+    name : str, optional
+        What names in C begin with. Default: the block's.
+
+    Returns
+    -------
+    CExport, and notes for the user
+
+    Raises
+    ------
+    ValueError
+        For a move, or a part, that the scenario does not have.
+    OSError
+        As `export_c` does.
+    """
+    unit = "rad" if scenario.motion == "angle" else "m"
+    notes: tuple[str, ...] = ()
+    if block == "shaper":
+        move, notes = _first_of(scenario, move)
+    source = _source(scenario, block, dt, move)
+    return export_c(source, folder, name=block if name is None else name, unit=unit), notes
+
+
+def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[str, ...]]:
+    """Return a move's name, the first where none is given, and what is to be said of that."""
+    names = [own.name for own in scenario.moves]
+    if move is not None or len(names) == 1:
+        return move, ()
+    others = ", ".join(map(repr, names[1:]))
+    return names[0], (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
+
+
+def _source(
+    scenario: Scenario, block: BlockName | FirmwareName, dt: float, move: str | None
+) -> Any:
     if block == "trajectory":
         return trajectory_of(scenario, move)
-    if block == "follower":
+    if block in ("follower", "shaper"):
         chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
         try:
             return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)

@@ -1,6 +1,7 @@
 """The core in C99, what is simulated and what is shipped: evaluation and planning of motions."""
 
 from .binding import (
+    FMI2_MARK,
     NO_DURATION,
     OK,
     RANGE,
@@ -11,6 +12,7 @@ from .binding import (
     advance_lags,
     bounds,
     evaluate_lanes,
+    fmi2_logger,
     move,
     possible_durations,
     together,
@@ -22,6 +24,7 @@ from .binding import (
 )
 
 __all__ = [
+    "FMI2_MARK",
     "NO_DURATION",
     "OK",
     "RANGE",
@@ -32,6 +35,7 @@ __all__ = [
     "advance_lags",
     "bounds",
     "evaluate_lanes",
+    "fmi2_logger",
     "move",
     "possible_durations",
     "together",

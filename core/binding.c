@@ -9,6 +9,7 @@
 #include <Python.h>
 #include <string.h>
 
+#include "binding_fmi2.h"
 #include "jounce.h"
 
 enum { LONG = 2048 }; /* points from which other threads may run meanwhile */
@@ -1485,6 +1486,17 @@ static PyType_Spec follower_spec = {
 
 /* --- the module ------------------------------------------------------------------------------- */
 
+/* --- messages of FMUs (binding_fmi2.c) ---------------------------------------------------------- */
+
+static PyObject *fmi2_logger(PyObject *module, PyObject *strays) {
+    void *note = PyLong_AsVoidPtr(strays);
+    (void)module;
+    if (note == NULL) {
+        return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_ValueError, "strays: no address");
+    }
+    return PyLong_FromVoidPtr((void *)jounce_fmi2_log_to((jounce_fmi2_note)note));
+}
+
 static PyMethodDef functions[] = {
     {"bounds", FAST(bounds_of), METH_FASTCALL,
      "bounds(*bounds)\n--\n\nReturn lower bounds, upper bounds, and both in turn, of plain positive "
@@ -1514,6 +1526,10 @@ static PyMethodDef functions[] = {
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
      "numbers of pieces (N,) int8 are put in place."},
+    {"fmi2_logger", fmi2_logger, METH_O,
+     "fmi2_logger(strays)\n--\n\nReturn the address of a logger for FMUs of FMI 2.0, which fills "
+     "in the arguments of a message and calls note(status, category, text) of the environment "
+     "(FMI2_MARK, note), or of another environment the function at the address `strays`."},
     {"evaluate_lanes", FAST(evaluate_lanes), METH_FASTCALL,
      "evaluate_lanes(lengths, states, end_states, times, points, first, last, out)\n--\n\nPut "
      "derivatives first to last of N motions in place, (last - first + 1, N, points), at times "
@@ -1529,7 +1545,8 @@ static int add_constants(PyObject *module) {
     return PyModule_AddIntConstant(module, "OK", JOUNCE_OK) == 0 &&
            PyModule_AddIntConstant(module, "UNREACHABLE", JOUNCE_UNREACHABLE) == 0 &&
            PyModule_AddIntConstant(module, "NO_DURATION", JOUNCE_NO_DURATION) == 0 &&
-           PyModule_AddIntConstant(module, "RANGE", JOUNCE_RANGE) == 0;
+           PyModule_AddIntConstant(module, "RANGE", JOUNCE_RANGE) == 0 &&
+           PyModule_AddIntConstant(module, "FMI2_MARK", (long)JOUNCE_FMI2_MARK) == 0;
 }
 
 static int add_types(PyObject *module, State *state) {

@@ -13,6 +13,7 @@ OK: int
 UNREACHABLE: int
 NO_DURATION: int
 RANGE: int
+FMI2_MARK: int
 
 @final
 class Pieces:
@@ -104,6 +105,7 @@ def transfer_pieces(
     end_states: FloatArray,
     /,
 ) -> None: ...
+def fmi2_logger(strays: int, /) -> int: ...
 def evaluate_lanes(
     lengths: FloatArray,
     states: FloatArray,

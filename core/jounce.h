@@ -135,6 +135,48 @@ void jounce_lags_behind(double *lags, int count, const jounce_motion *motion, do
 void jounce_lags_output(const double *lags, int count, const double *motion, int highest,
                         double omega, double *out);
 
+/* --- linear systems under held inputs (linear.c) ------------------------------------------------ */
+
+/* x' = A x + B u and y = C x + D u, row by row. a and b are those of balanced states: A is
+ * scale[i] a[i][j] / scale[j] and B scale[i] b[i][j], with scales that are powers of two. */
+typedef struct {
+    int states, inputs, outputs;
+    const double *a, *b, *c, *d;
+    const double *scale;
+} jounce_linear;
+
+void jounce_linear_outputs(const jounce_linear *system, const double *x, const double *u,
+                           double *y);
+
+void jounce_linear_rates(const jounce_linear *system, const double *x, const double *u,
+                         double *rates);
+
+/* How many numbers of work space a system takes. */
+#define JOUNCE_LINEAR_WORK(n, inputs) (1 + 4 * (n) * (n) + (n) * (inputs) + (n))
+
+/* Advance the states by h. `work` is zeroed before the first step; it keeps the matrix exponential,
+ * which is taken again only where h differs by more than `slack`. */
+void jounce_linear_step(const jounce_linear *system, const double *u, double h, double slack,
+                        double *work, double *x);
+
+/* Rows of by_state x + by_input u: a discrete system's next states, or its outputs. */
+void jounce_weigh(const double *by_state, const double *by_input, int rows,
+                  const jounce_linear *sizes, const double *x, const double *u, double *result);
+
+/* --- controller (controller.c) ------------------------------------------------------------------- */
+
+/* u = kp e + ki I + kr e' + inertia r'', with I the running sum of dt e. */
+typedef struct {
+    double kp, ki, kr, inertia, dt;
+} jounce_pid;
+
+/* `integral` is that of the sample before. */
+double jounce_pid_output(const jounce_pid *pid, double integral, double e, double e_rate,
+                         double r_acceleration);
+
+/* The integral after this sample. */
+double jounce_pid_integral(const jounce_pid *pid, double integral, double e);
+
 /* --- evaluation of pieces of any order (pieces.c, evaluation.c) -------------------------------- */
 
 /* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */

@@ -1,4 +1,4 @@
-"""Blocks out as FMUs (Functional Mock-up Units), and anybody's FMUs in: FMI 2.0 and 3.0."""
+"""Blocks out as FMUs (Functional Mock-up Units) and C, anybody's FMUs in: FMI 2.0 and 3.0."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .cosimulation.load_ssp import load_ssp
     from .exporting.compile import CompilerError
     from .exporting.export import FmuExport, export_fmu
+    from .exporting.export_c import CExport, export_c
     from .exporting.loop_blocks import SampledController
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
     from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 # Imported when they are first asked for.
 _LATER = {
+    "CExport": "exporting.export_c",
+    "export_c": "exporting.export_c",
     "SspExport": "exporting.ssp",
     "export_ssp": "exporting.ssp",
     "export_ssp_of": "exporting.ssp",
@@ -45,6 +48,7 @@ _LATER = {
 }
 
 __all__ = [
+    "CExport",
     "CompilerError",
     "CosimulationResult",
     "Fmu",
@@ -58,6 +62,7 @@ __all__ = [
     "SampledController",
     "SspExport",
     "cosimulate",
+    "export_c",
     "export_fmu",
     "export_ssp",
     "export_ssp_of",

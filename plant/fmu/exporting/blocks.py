@@ -104,6 +104,8 @@ class Block:
         Its arrays, name to numbers in any nesting.
     memory : int
         How many numbers it keeps beside its variables.
+    work : int
+        How many numbers of work space it takes, which may be zeroed at any time.
     partials : bool
         Whether it provides directional derivatives.
     sample_time : float, optional
@@ -121,6 +123,7 @@ class Block:
     constants: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, Sequence[object]] = field(default_factory=dict)
     memory: int = 0
+    work: int = 0
     partials: bool = False
     sample_time: float | None = None
     start_time: float = 0.0

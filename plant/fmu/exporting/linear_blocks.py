@@ -84,7 +84,7 @@ def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str
         name,
         f"Linear system of continuous time, {system.nstates} states",
         tuple(variables),
-        "linear",
+        "continuous",
         constants=_sizes(system),
         tables={
             "rate_by_state": _rows(balanced),
@@ -93,6 +93,7 @@ def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str
             "output_by_input": _rows(system.D),
             "scale": _rows(scale),
         },
+        work=1 + system.nstates * (4 * system.nstates + system.ninputs + 1),
         partials=True,
         stop_time=_TICKS * step,
         step=step,

@@ -172,7 +172,7 @@ def controller_block(sampled: SampledController, name: str, unit: str) -> Block:
             ),
             *memory,
         ),
-        "controller",
+        "sampled_controller",
         constants={"SAMPLE_TIME": repr(sampled.dt)} | ({"MEASURED_RATE": "1"} if measured else {}),
         sample_time=sampled.dt,
         stop_time=_TICKS * sampled.dt,

@@ -22,7 +22,8 @@ _HEADERS = {
 }
 _WRAPPERS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 _PLAIN = re.compile(r"[A-Za-z0-9_{}()\[\]., -]")
-_INCLUDED = re.compile(r'^#include "(\w+\.[ch])"', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "(\w+\.[ch])"', re.MULTILINE)
+"""What a C file includes of ours."""
 
 
 def sources_of(block: Block, fmi_version: str, token: str) -> dict[str, bytes]:
@@ -45,19 +46,24 @@ def sources_of(block: Block, fmi_version: str, token: str) -> dict[str, bytes]:
     main = "\n".join(f'#include "{part}"' for part in parts)
     files = {
         MAIN: f"/* The whole FMU: compile this file alone. */\n\n{main}\n".encode(),
-        "model.h": _constants(block, token).encode(),
+        "model.h": _model(block, token).encode(),
     }
     for part in parts:
         if part not in files and part not in _HEADERS[fmi_version]:
-            files[part] = _source(part)
-            parts += _INCLUDED.findall(files[part].decode())
+            files[part] = source_of(part)
+            parts += INCLUDED.findall(files[part].decode())
     headers = _header_folder()
     for header in _HEADERS[fmi_version]:
         files[header] = (headers / header).read_bytes()
     return files
 
 
-def _source(name: str) -> bytes:
+def is_of_core(name: str) -> bool:
+    """Tell whether a C file is one of the core, which Python calls, too."""
+    return not (_FOLDERS[0] / name).exists()
+
+
+def source_of(name: str) -> bytes:
     """Return a C file of an FMU or of the core."""
     return next(folder / name for folder in _FOLDERS if (folder / name).exists()).read_bytes()
 
@@ -68,7 +74,7 @@ def licences(fmi_version: str) -> dict[str, str]:
     begin = header.index("Copyright (C)")
     notice = header[begin : header.index("*/", begin)]
     return {
-        "license.txt": _source("LICENSE.txt").decode(),
+        "license.txt": source_of("LICENSE.txt").decode(),
         "fmi_headers.txt": "The headers sources/fmi*.h, from the FMI project:\n\n"
         + "\n".join(line.strip() for line in notice.splitlines()),
     }
@@ -84,28 +90,42 @@ def _header_folder() -> Path:
     return Path(spec.submodule_search_locations[0]) / "c-code"
 
 
-def _constants(block: Block, token: str) -> str:
-    constants = {
-        "TOKEN": _text(token),
+def constants_of(block: Block) -> dict[str, str]:
+    """Return the macros of a block's C file, name to text."""
+    return {
         "N_VARIABLES": str(len(block.variables)),
         "N_MEMORY": str(block.memory),
-        **({"HAS_PARTIALS": "1"} if block.partials else {}),
+        "N_WORK": str(block.work),
         **{v.macro: str(k) for k, v in enumerate(block.variables) if v.macro},
         **block.constants,
     }
+
+
+def tables_of(block: Block) -> list[str]:
+    """Return the arrays of a block's C file."""
+    return [_table(name, values) for name, values in block.tables.items()]
+
+
+def _model(block: Block, token: str) -> str:
+    own = {"TOKEN": _text(token), **({"HAS_PARTIALS": "1"} if block.partials else {})}
     lines = [f"/* {block.name}: generated. */", ""]
-    lines += [f"#define {name} {value}" for name, value in constants.items()]
+    lines += [f"#define {name} {value}" for name, value in (own | constants_of(block)).items()]
     lines += ["", "static const Variable variables[] = {"]
     for variable in block.variables:
         low = -MAX_DOUBLE if variable.minimum is None else variable.minimum
         high = MAX_DOUBLE if variable.maximum is None else variable.maximum
         start = variable.start if variable.has_start else 0.0
-        numbers = f"{start!r}, {low!r}, {high!r}"
+        numbers = ", ".join(number(x) for x in (start, low, high))
         lines.append(f"    {{{variable.flags}, {numbers}, {_text(variable.name)}}},")
     lines.append("};")
-    for name, values in block.tables.items():
-        lines += ["", _table(name, values)]
+    for table in tables_of(block):
+        lines += ["", table]
     return "\n".join(lines) + "\n"
+
+
+def number(x: float) -> str:
+    """Return a double as C writes it, all of its digits."""
+    return repr(float(x))
 
 
 def _table(name: str, values: Sequence[object]) -> str:

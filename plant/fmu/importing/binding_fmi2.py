@@ -5,12 +5,14 @@ from __future__ import annotations
 import ctypes
 import sys
 from collections.abc import Callable
-from ctypes import c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint64, c_void_p
 from pathlib import Path
 from typing import Any
+from weakref import ReferenceType, ref
 
 import numpy as np
 
+from ....core import FMI2_MARK, fmi2_logger
 from .description import FmuDescription, FmuError
 from .instance import Functions, Instance
 from .library import DISCARD, TERMINATED, WARNING, Log
@@ -25,19 +27,24 @@ DTYPES: dict[str, Any] = {
 
 _CO_SIMULATION = 1
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
-_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+_NOTE = ctypes.CFUNCTYPE(None, c_int, c_char_p, c_char_p)
 _ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
 _FREE = ctypes.CFUNCTYPE(None, c_void_p)
 
 
+class _Environment(ctypes.Structure):
+    _fields_ = (("mark", c_uint64), ("note", _NOTE))
+
+
 class _Callbacks(ctypes.Structure):
     _fields_ = (
-        ("logger", _LOGGER),
+        ("logger", c_void_p),
         ("allocateMemory", _ALLOCATE),
         ("freeMemory", _FREE),
         ("stepFinished", c_void_p),
         ("componentEnvironment", c_void_p),
     )
+    environment: _Environment
 
 
 def instantiate(
@@ -129,16 +136,30 @@ def _initializer(
     return enter_initialization
 
 
+_latest: list[ReferenceType[Log]] = []
+"""The log of the FMU instantiated last: an FMU may lose the environment it was given."""
+
+
+def _note_of_a_stray(status: int, category: bytes, text: bytes) -> None:
+    log = _latest[0]() if _latest else None
+    if log is not None:
+        log.add(status, category, text)
+
+
+_STRAYS = _NOTE(_note_of_a_stray)
+
+
 def _callbacks(log: Log) -> _Callbacks:
+    """Return what an FMU may call; its messages come with their arguments filled in, by C."""
     libc: Any = ctypes.cdll.msvcrt if sys.platform == "win32" else ctypes.CDLL(None)
-
-    def add(_: Any, __: Any, status: int, category: bytes, message: bytes) -> None:
-        log.add(status, category, message)
-
-    return _Callbacks(
-        _LOGGER(add),
+    environment = _Environment(FMI2_MARK, _NOTE(log.add))
+    _latest[:] = [ref(log)]
+    callbacks = _Callbacks(
+        fmi2_logger(ctypes.cast(_STRAYS, c_void_p).value or 0),
         ctypes.cast(libc.calloc, _ALLOCATE),
         ctypes.cast(libc.free, _FREE),
         None,
-        None,
+        ctypes.addressof(environment),
     )
+    callbacks.environment = environment  # lives as long
+    return callbacks

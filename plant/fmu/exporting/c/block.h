@@ -42,8 +42,12 @@ typedef struct {
     int64_t phase;
 } State;
 
+/* Work space, and what depends on the step size alone; may be zeroed at any time. */
+typedef struct {
+    double work[N_SOME(N_WORK)];
+} Cache;
+
 /* A core is a file that defines
- *   Cache             work space and what depends on the step size alone; may be zeroed at any time
  *   core_initialize   derives states from start values
  *   core_outputs      computes outputs from states and inputs; `running` after initialisation
  *   core_step         goes on from t to t + h; returns what went wrong, or NULL

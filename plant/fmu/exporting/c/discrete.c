@@ -1,27 +1,17 @@
 /* A discrete linear system, run once per sample time: y = C x + D u, then x = A x + B u. */
 
+#include "linear.c"
 #include "ticks.c"
-
-typedef struct {
-    int unused;
-} Cache;
 
 static void core_initialize(State *s) {
     (void)s;
 }
 
+/* Rows of A and B, or of C and D below them. */
 static void weigh(State *s, int first_row, int rows, double *result) {
-    const double *x = s->value + V_STATE, *u = s->value + V_INPUT;
-    int i, j;
-    for (i = 0; i < rows; i++) {
-        result[i] = 0.0;
-        for (j = 0; j < N_STATES; j++) {
-            result[i] += by_state[first_row + i][j] * x[j];
-        }
-        for (j = 0; j < N_INPUTS; j++) {
-            result[i] += by_input[first_row + i][j] * u[j];
-        }
-    }
+    jounce_linear sizes = {N_STATES, N_INPUTS, N_OUTPUTS, NULL, NULL, NULL, NULL, NULL};
+    jounce_weigh(by_state[first_row], by_input[first_row], rows, &sizes, s->value + V_STATE,
+                 s->value + V_INPUT, result);
 }
 
 static void core_outputs(State *s, int running) {

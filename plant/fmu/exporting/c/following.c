@@ -7,13 +7,9 @@
 
 #define TWO_PI 6.283185307179586
 
-typedef struct {
-    int unused;
-} Cache;
-
-/* What is kept from one sample to the next: the state when it begins, its command, its bounds. */
 #define LARGEST 1.7976931348623157e308 /* a bound that is none */
 
+/* What is kept from one sample to the next: the state when it begins, its command, its bounds. */
 enum { X, V, A, J, COMMAND, SPEED, LIMITS, OMEGA = LIMITS + 6, FINISHED, LAGS };
 
 /* A bound, where it is one. */

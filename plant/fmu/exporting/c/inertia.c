@@ -1,9 +1,5 @@
 /* A pure inertia under a torque that is held during the step: exact. */
 
-typedef struct {
-    int unused;
-} Cache;
-
 static void core_initialize(State *s) {
     (void)s;
 }
@@ -22,9 +18,11 @@ static const char *core_step(State *s, Cache *cache, double t, double h) {
     return NULL;
 }
 
+#if defined(HAS_PARTIALS)
 static double core_partial(const State *s, int unknown, int known) {
     if (unknown == V_DER_Y_RATE) {
         return known == V_U ? 1.0 / s->value[V_J] : 0.0;
     }
     return known == (unknown == V_DER_Y ? V_Y_RATE : unknown) ? 1.0 : 0.0;
 }
+#endif

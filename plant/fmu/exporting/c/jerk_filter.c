@@ -5,10 +5,6 @@
 
 #define TWO_PI 6.283185307179586
 
-typedef struct {
-    int unused;
-} Cache;
-
 static void core_initialize(State *s) { /* after it has coasted in for ever */
     double omega = TWO_PI * s->value[V_CORNER_HZ];
     int i;
@@ -60,6 +56,7 @@ static const char *core_step(State *s, Cache *cache, double t, double h) {
     return NULL;
 }
 
+#if defined(HAS_PARTIALS)
 static double core_partial(const State *s, int unknown, int known) {
     double omega = TWO_PI * s->value[V_CORNER_HZ];
     int lag = known == V_COMMAND ? 0 : known - V_LAG + 1; /* 0: the command itself */
@@ -72,3 +69,4 @@ static double core_partial(const State *s, int unknown, int known) {
     }
     return output_weight(omega, unknown - V_POSITION, lag);
 }
+#endif

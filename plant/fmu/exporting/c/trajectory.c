@@ -1,9 +1,5 @@
 /* A motion planned beforehand: a piecewise polynomial in Taylor form, evaluated at any time. */
 
-typedef struct {
-    int unused;
-} Cache;
-
 /* Hosts that add up t += h come to a break early by rounding: this part of the last step counts
  * as the break. */
 #define BREAK_SLACK 1e-6

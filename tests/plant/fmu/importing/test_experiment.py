@@ -137,3 +137,41 @@ def test_an_answer_that_is_not_linear_names_the_solver(tmp_path):
     match = r"is not linear: .*solver inside .* load_fmu\(…, tolerance="
     with load_fmu(fmu(tmp_path, rough)) as plant, pytest.raises(FmuError, match=match):
         linearize_fmu(plant, horizon=20, amplitude=5.0)
+
+
+SAYS = """call->logger({environment}, name, fmi2Warning, "warning", {message});"""
+ARGUMENTS = {
+    "numbers and text": ('"%g and %s", 0.1, "x"', "0.1 and x"),
+    "many kinds": (
+        '"%d %5.2f|%-4s|%c %u %x %%", -3, 2.0, "ab", (int)\'z\', 7u, 255u',
+        "-3  2.00|ab  |z 7 ff %",
+    ),
+    "long ones": ('"%ld %lld %zu", -5L, 6LL, (size_t)7', "-5 6 7"),
+    "none": ('"plain"', "plain"),
+    "a lone sign": ('"50 % slower than 10 %"', "50 % slower than 10 %"),
+    "one that writes": ('"%s%n", "x", (int *)0', "%s%n"),
+    "more than there is room for": ('"%5000d", 1', " " * 4095),
+}
+
+
+def saying(message, environment="call->componentEnvironment"):
+    """Return a model of FMI 2.0 that says this when it is instantiated."""
+    said = SAYS.format(environment=environment, message=message)
+    start = "    defaults(&i->s);\n    return i;"
+    code = ((start, f"    defaults(&i->s);\n    {said}\n    return i;"),)
+    return replace(INERTIA, name="talker", code=code)
+
+
+@pytest.mark.parametrize("isolated", [False, True], ids=["here", "isolated"])
+@pytest.mark.parametrize("name", ARGUMENTS)
+def test_messages_have_their_arguments_filled_in(tmp_path, name, isolated):
+    message, told = ARGUMENTS[name]
+    with load_fmu(fmu(tmp_path, saying(message)), isolated=isolated) as plant:
+        assert plant.messages == (told.strip(),)
+
+
+@pytest.mark.parametrize("environment", ["0", "i"])
+def test_an_fmu_that_loses_its_environment_is_heard(tmp_path, environment):
+    path = fmu(tmp_path, saying('"%g", 2.5', environment))
+    with load_fmu(fmu(tmp_path, INERTIA)) as other, load_fmu(path) as plant:
+        assert (plant.messages, other.messages) == (("2.5",), ())
