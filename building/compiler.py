@@ -48,7 +48,7 @@ def core() -> Extension:
     """Return the extension module jounce.core.binding."""
     return Extension(
         "jounce.core.binding",
-        sources=["core/binding.c", "building/unit.c"],
+        sources=["core/binding.c", "core/binding_fmi2.c", "building/unit.c"],
         depends=sorted(str(path) for path in Path("core").glob("*.[ch]")),
         extra_compile_args=FLAGS,
         define_macros=STABLE,

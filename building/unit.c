@@ -1,4 +1,5 @@
 /* The core as one unit, so that the compiler sees through all of its calls. */
+#include "../core/controller.c"
 #include "../core/durations.c"
 #include "../core/evaluation.c"
 #include "../core/families.c"
@@ -7,6 +8,7 @@
 #include "../core/jerk_profiles.c"
 #include "../core/lags.c"
 #include "../core/lasting.c"
+#include "../core/linear.c"
 #include "../core/move.c"
 #include "../core/pieces.c"
 #include "../core/scaling.c"
