@@ -82,10 +82,13 @@ def _stabilizing_delays(pieces: OnePieces, stable: bool) -> Intervals:
     if not omega.size:
         return ((0.0, np.inf),) if start == 0 else ()
     first = _TURN * (turns - whole[inner]) / omega
-    end = min(_last_delay(pieces), first.max() + _MOST * _TURN / omega.sum())
-    events = [np.arange(d, end, _TURN / rate) for d, rate in zip(first, omega, strict=True)]
-    places = np.concatenate(events)
-    changes = np.repeat(steps, [event.size for event in events])
+    period = _TURN / omega
+    counts = np.clip(np.ceil((_last_delay(pieces) - first) / period), 0, _MOST).astype(int)
+    places = np.concatenate(
+        [d + p * np.arange(n) for d, p, n in zip(first, period, counts, strict=True)]
+    )
+    soonest = np.argsort(places, kind="stable")[:_MOST]
+    places, changes = places[soonest], np.repeat(steps, counts)[soonest]
     return tuple(_zeros_of_count(start, (places, changes), (0.0, places.max(initial=0.0)), stable))
 
 

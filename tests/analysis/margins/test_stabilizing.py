@@ -203,6 +203,16 @@ def test_no_delay_at_all_is_an_interval_without_length():
     assert loop_margins(control.tf([2, 1], [1, 1]), delay=1.0).stabilizing_delays_s == ()
 
 
+@pytest.mark.parametrize("slow", [1e-4, 1e-7, 1e-9])
+def test_passages_are_counted_however_far_apart_crossovers_lie(slow):
+    # Behind τ the mode's pole moves by slow·e^(−14jτ)/2: cos 14τ < 0 stabilises it.
+    found = loop_margins(control.tf([196 * slow], [1, 0, 196, 0])).stabilizing_delays_s
+    assert 4000 < len(found) <= 5000
+    for k in (0, 1, 2, 100):
+        expected = (np.array([0.25, 0.75]) + k) * np.pi / 7
+        assert found[k] == pytest.approx(expected, rel=5 * slow + 1e-9)
+
+
 def test_intervals_are_told_and_become_plain_data():
     """s³ + k·(s² + 28s + 38) is stable from k = 38/28 on."""
     margins = loop_margins(control.tf([1, 28, 38], [1, 0, 0, 0]))
