@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
+import numpy as np
+
 from .scenario_messages import EXAMPLE, key_path
 from .units import show
 
@@ -56,7 +58,7 @@ def override(content: dict[str, Any], overrides: Mapping[str, Any]) -> dict[Plac
     overrides : mapping of str to object
         Values as TOML has them, by their keys: ``limits.axis.jerk``, ``moves[0].distance`` or
         ``moves."60 arcsec step".distance``. A key may be new, such as a limit that the file does
-        not have; an entry of moves, modes or limits must be there.
+        not have; an entry of moves, modes or limits must be there. A number may be numpy's.
 
     Returns
     -------
@@ -65,11 +67,19 @@ def override(content: dict[str, Any], overrides: Mapping[str, Any]) -> dict[Plac
 
     Raises
     ------
+    TypeError
+        If `overrides` is no mapping.
     ValueError
         For a key that is malformed, leads nowhere or is given twice, naming the nearest.
     """
+    if not isinstance(overrides, Mapping):
+        raise TypeError(
+            f"overrides = {show(overrides)}: expected a mapping of keys to values, such as "
+            '{"filter.order": 4}'
+        )
     placed: dict[Place, str] = {}
     for key, value in overrides.items():
+        value = value.item() if isinstance(value, np.generic) else value
         table, place = _find(content, _parts(key), key)
         if place in placed:
             raise ValueError(f"override {key}: is given twice; give it once")

@@ -156,7 +156,8 @@ def _key_of(name: str) -> Key:
 
 def _limits(bounds: tuple[Any, ...], key: Key, scenario: Scenario) -> Iterator[tuple[Key, str]]:
     for k, bound in enumerate(bounds, start=1):
-        sides = bound if isinstance(bound, tuple) else (bound,)
+        low, high = bound if isinstance(bound, tuple) else (-bound, bound)
+        sides = (high,) if low == -high else (low, high)
         if inf not in sides:
             unit = f"{scenario.position_unit}/s{f'^{k}' if k > 1 else ''}"
             texts = " to ".join(_number(side / scenario.position_scale) for side in sides)

@@ -89,8 +89,10 @@ def pieces_of(loops: Kind) -> Pieces[Kind]:
     sides = np.sign(gain)
     turning = np.zeros_like(inside)
     turning[:, 1:-1] = sides[:, :-2] == sides[:, 2:]
-    touching = inside & turning & (abs(gain) <= TOUCH_TOLERANCE)
-    sides[touching] = 0.0
+    near = abs(gain) <= TOUCH_TOLERANCE
+    touching = inside & turning & near
+    # A limit of 1 is told as a crossover itself, what rounding makes of it is none beside it.
+    sides[touching | (~inside & near)] = 0.0
     changes = sides[:, :-1] * sides[:, 1:] < 0
     found = _gain_crossings(loops, omega, gain, changes)
     merged = np.concatenate([omega, found], axis=1)

@@ -22,6 +22,7 @@ from .stabilizing import stabilizing_delays, stabilizing_gains
 if TYPE_CHECKING:
     import control
 
+_LEAST_DELAY = 1e-290  # its inverse, in whatever unit of time, is still a double
 _UNLIMITED = (
     "phase_margin_deg",
     "lower_gain_margin_db",
@@ -147,7 +148,7 @@ def _checked_delay(system: Any, delay: float) -> float:
             "loop_margins takes a delay in continuous time alone: put it into L(z), as "
             "plant.zero_order_hold(plant, dt, delay=…) does"
         )
-    return delay
+    return delay if delay > _LEAST_DELAY else 0.0
 
 
 def _of_silent(loop: FactoredLoop) -> LoopMargins:

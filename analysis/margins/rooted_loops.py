@@ -31,6 +31,10 @@ class Roots:
         The powers of s that L tends to at low and at high frequencies.
     levels : tuple of float
         ln |c| of the asymptotes c·s^power and c·s^rise.
+    all : array of complex
+        Zeros and poles.
+    signs : array
+        1 for each zero and −1 for each pole among them.
     offset : float
         Turns of what is neither s − z, s − p nor the delay.
     ends : tuple of float
@@ -46,12 +50,18 @@ class Roots:
         ratio = float(np.log(abs(self.zeros)).sum() - np.log(abs(self.poles)).sum())
         self.levels = (size + ratio, size)
         self.offset = 0.5 + 0.25 * self.power + 0.5 * (loop.gain < 0)
+        self.all = np.concatenate([self.zeros, self.poles])
+        self.signs = np.repeat([1.0, -1.0], [self.zeros.size, self.poles.size])
         self.ends = self._ends()
 
     def turned(self, omega: Real) -> Real:
-        """Return the turns of all s − z less those of all s − p."""
-        zeros, poles = (_arguments(omega, roots) for roots in (self.zeros, self.poles))
-        return (zeros - poles) / _TURN
+        """Return the turns of all s − z less those of all s − p.
+
+        Those of each are continuous; a root on the axis is passed on its right.
+        """
+        left = np.arctan2(omega[..., None] - self.all.imag, abs(self.all.real))
+        angles = np.where(self.all.real > 0, np.pi - left, left)
+        return np.asarray(angles @ self.signs / _TURN)
 
     def _ends(self) -> tuple[float, float]:
         sizes = abs(np.concatenate([self.zeros, self.poles]))
@@ -178,11 +188,9 @@ class RootedLoops:
     def gain(self, omega: Real) -> Real:
         """Return ln |L(jω)| at (B, K) frequencies."""
         total = self.roots.levels[1] + self.roots.power * np.log(omega)
-        for sign, roots in ((1.0, self.roots.zeros), (-1.0, self.roots.poles)):
-            if roots.size:
-                apart = np.hypot(omega[..., None] - roots.imag, roots.real)
-                total = total + sign * np.log(apart).sum(axis=-1)
-        return np.minimum(np.maximum(total, -_MOST), _MOST)
+        apart = np.hypot(omega[..., None] - self.roots.all.imag, self.roots.all.real)
+        total = total + np.log(apart) @ self.roots.signs
+        return np.asarray(np.minimum(np.maximum(total, -_MOST), _MOST))
 
     def gain_and_turns(self, omega: Real) -> tuple[Real, Real]:
         """Return ln |L(jω)| and its turns at (B, K) frequencies."""
@@ -193,12 +201,9 @@ class RootedLoops:
         """Return everything at (B, K) frequencies."""
         s = 1j * omega
         second: Any = -s * self.loop.delay
-        first: Any = self.roots.power + second
-        for sign, roots in ((1.0, self.roots.zeros), (-1.0, self.roots.poles)):
-            if roots.size:
-                share = s[..., None] / (s[..., None] - roots)
-                first = first + sign * share.sum(axis=-1)
-                second = second + sign * (share * (1.0 - share)).sum(axis=-1)
+        share = s[..., None] / (s[..., None] - self.roots.all)
+        first = self.roots.power + second + share @ self.roots.signs
+        second = second + (share * (1.0 - share)) @ self.roots.signs
         return Slopes(*self.gain_and_turns(omega), first, second)
 
     def _rows(self, values: Any) -> Any:
@@ -216,9 +221,3 @@ def rooted(loop: FactoredLoop) -> RootedLoops:
         (hidden if near else poles).append(pole)
     left, right, apart = (np.array(part, complex) for part in (zeros, poles, hidden))
     return RootedLoops(Roots(replace(loop, zeros=left, poles=right, hidden=apart)))
-
-
-def _arguments(omega: Real, roots: Complex) -> Real:
-    """Sum of arg(jω − r) over the roots, continuous; a root on the axis is passed on its right."""
-    angle = np.arctan2(omega[..., None] - roots.imag, abs(roots.real))
-    return np.asarray(np.where(roots.real > 0, np.pi - angle, angle).sum(axis=-1))

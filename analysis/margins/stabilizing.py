@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from .batched_crossings import OnePieces
+from .batched_crossings import stable as is_stable_by_count
 from .batched_loops import Mask
 from .batched_margins import at_edges, at_limits
 from .crossings import TOUCH_TOLERANCE
@@ -64,10 +65,14 @@ def stabilizing_delays(pieces: OnePieces, *, stable: bool) -> Intervals:
     if loops.hidden[0] or _stays_on_axis(pieces):
         return ()
     if loops.loop.dt is not None:
-        return _stabilizing_samples(pieces, loops.loop.dt)
+        return _stabilizing_samples(pieces, loops.loop.dt, stable)
     if loops.endless[0]:
         return ((0.0, 0.0),) if stable else ()
-    return _stabilizing_delays(pieces, stable)
+    found = _stabilizing_delays(pieces, stable)
+    if stable or not is_stable_by_count(pieces)[0]:
+        return found
+    # What is too lightly damped to be called stable stays so behind the least delay.
+    return tuple(pair for pair in found if pair[0] > 0.0)
 
 
 def _stabilizing_delays(pieces: OnePieces, stable: bool) -> Intervals:
@@ -82,14 +87,17 @@ def _stabilizing_delays(pieces: OnePieces, stable: bool) -> Intervals:
     if not omega.size:
         return ((0.0, np.inf),) if start == 0 else ()
     first = _TURN * (turns - whole[inner]) / omega
-    end = min(_last_delay(pieces), first.max() + _MOST * _TURN / omega.sum())
-    events = [np.arange(d, end, _TURN / rate) for d, rate in zip(first, omega, strict=True)]
-    places = np.concatenate(events)
-    changes = np.repeat(steps, [event.size for event in events])
+    period = _TURN / omega
+    counts = np.clip(np.ceil((_last_delay(pieces) - first) / period), 0, _MOST).astype(int)
+    places = np.concatenate(
+        [d + p * np.arange(n) for d, p, n in zip(first, period, counts, strict=True)]
+    )
+    soonest = np.argsort(places, kind="stable")[:_MOST]
+    places, changes = places[soonest], np.repeat(steps, counts)[soonest]
     return tuple(_zeros_of_count(start, (places, changes), (0.0, places.max(initial=0.0)), stable))
 
 
-def _stabilizing_samples(pieces: OnePieces, dt: float) -> Intervals:
+def _stabilizing_samples(pieces: OnePieces, dt: float, stable: bool) -> Intervals:
     """Return the intervals of n·dt for which L(z)·z^(−n) is stable, ends included."""
     loops = pieces.loops
     omega, turns = (part[0] for part in pieces.crossovers)
@@ -103,6 +111,7 @@ def _stabilizing_samples(pieces: OnePieces, dt: float) -> Intervals:
     whole[:, -1] = below(high - 0.5 * samples)
     passing = turns - _lag(samples * dt, omega)
     good = (_unstable(pieces, whole) == 0) & (_snapped(passing) != np.rint(passing)).all(axis=1)
+    good[0] = stable
     if always:
         return ((0.0, np.inf),) if good.all() else ()
     [changes] = np.nonzero(np.diff(np.concatenate([[0], good, [0]])))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from jounce.analysis import check_scenario, load_scenario, survey
@@ -93,6 +94,21 @@ def test_python_gives_values_as_toml_has_them(path):
     assert (scenario.filter.order, len(scenario.overrides)) == (4, 3)
     assert scenario.overrides[0] == "filter.corner = '2 Hz'"
     assert load_scenario(path, overrides={}) == load_scenario(path)
+
+
+def test_numbers_of_numpy_are_numbers(path):
+    for number in (np.int64(4), np.uint8(4), np.arange(5)[-1]):
+        overrides = {"filter.corner": "2 Hz", "filter.order": number}
+        assert load_scenario(path, overrides=overrides).filter.order == 4
+    with pytest.raises(ScenarioError, match=r"override filter.order: 4.0 is not a whole number"):
+        load_scenario(path, overrides={"filter.corner": "2 Hz", "filter.order": np.float64(4)})
+
+
+@pytest.mark.parametrize("given", ["filter.order=4", ["filter.order=4"], [("filter.order", 4)]])
+def test_what_is_no_mapping_is_refused(path, given):
+    for use in (load_scenario, survey, check_scenario):
+        with pytest.raises(TypeError, match=r"expected a mapping of keys to values, such as \{"):
+            use(path, overrides=given)
 
 
 def test_what_is_given_is_not_changed(path):

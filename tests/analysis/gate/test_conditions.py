@@ -129,6 +129,15 @@ def test_a_limit_that_comes_or_goes_is_a_change():
     )
 
 
+def test_a_pair_of_equal_limits_is_one_limit():
+    plain, pair, wider = (
+        load_scenario(EXAMPLES / "telescope.toml", overrides={"limits.axis.jerk": jerk})
+        for jerk in ("1 deg/s^3", ["-1 deg/s^3", "1 deg/s^3"], ["-1 deg/s^3", "1.1 deg/s^3"])
+    )
+    assert changes(scenario_conditions(plain), scenario_conditions(pair)) == ()
+    assert len(changes(scenario_conditions(plain), scenario_conditions(wider))) == 2
+
+
 def test_of_moves_and_modes_that_come_or_go_their_numbers_tell():
     more = replace(SCENARIO, modes=(*SCENARIO.modes, Mode("tower", 3.0, 0.1)))
     fewer = replace(SCENARIO, moves=SCENARIO.moves[:1], modes=())

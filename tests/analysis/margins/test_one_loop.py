@@ -431,6 +431,17 @@ def test_unit_gain_at_dc_is_a_crossover_at_zero():
     assert margins.bandwidth_hz == pytest.approx(1 / np.pi, rel=1e-12)
 
 
+@pytest.mark.parametrize("corner", [3e-6, 7, 1e3, 2.0**20, 3e7])
+@pytest.mark.parametrize("form", [control.tf, lambda n, d: control.ss(control.tf(n, d))])
+def test_unit_gain_at_dc_is_no_crossover_beside_it(form, corner):
+    margins = loop_margins(form([corner], [1, corner]))
+    assert (margins.crossovers_hz, margins.delay_margin_s) == ((0,), math.inf)
+    assert margins.stabilizing_delays_s == ((0, math.inf),)
+    two = loop_margins(form([corner**2], [1, corner, corner**2]))  # |L| = 1 at 0 and at the corner
+    assert two.crossovers_hz == pytest.approx((0, corner / (2 * np.pi)), rel=1e-12)
+    assert two.delay_margin_s == pytest.approx(np.pi / 2 / corner, rel=1e-12)
+
+
 def test_bandwidth_is_where_t_first_falls_by_three_decibels():
     loop = delayed_pid()
     margins = loop_margins(loop)

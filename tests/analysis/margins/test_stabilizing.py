@@ -203,6 +203,35 @@ def test_no_delay_at_all_is_an_interval_without_length():
     assert loop_margins(control.tf([2, 1], [1, 1]), delay=1.0).stabilizing_delays_s == ()
 
 
+@pytest.mark.parametrize("slow", [1e-4, 1e-7, 1e-9])
+def test_passages_are_counted_however_far_apart_crossovers_lie(slow):
+    # Behind τ the mode's pole moves by slow·e^(−14jτ)/2: cos 14τ < 0 stabilises it.
+    found = loop_margins(control.tf([196 * slow], [1, 0, 196, 0])).stabilizing_delays_s
+    assert 4000 < len(found) <= 5000
+    for k in (0, 1, 2, 100):
+        expected = (np.array([0.25, 0.75]) + k) * np.pi / 7
+        assert found[k] == pytest.approx(expected, rel=5 * slow + 1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.0, 2e-11])
+def test_what_counts_as_undamped_is_not_called_stable_behind_the_least_delay(damping):
+    # A notch beside the mode hides it from the loop to 13 digits: no delay can move it.
+    mode, notch = [1.0, damping, 1.0], [1.0, damping, 1.0 + 2.0**-42]
+    margins = loop_margins(control.tf(notch, np.polymul(mode, [1.0, 2.0])))
+    assert not margins.stable
+    assert all(low > 0 for low, _ in margins.stabilizing_delays_s)
+    assert not any(low < 1 < high for low, high in margins.stabilizing_gains)
+
+
+def test_the_least_delay_that_there_is_costs_nothing():
+    plain = loop_margins(control.tf([2], [1, 1, 0]))
+    for delay in (5e-324, 1e-310, 1e-300):
+        margins = loop_margins(control.tf([2], [1, 1, 0]), delay=delay)
+        assert margins.stable
+        assert margins.phase_margin_deg == pytest.approx(plain.phase_margin_deg, rel=1e-12)
+        assert margins.delay_margin_s == pytest.approx(plain.delay_margin_s, rel=1e-12)
+
+
 def test_intervals_are_told_and_become_plain_data():
     """s³ + k·(s² + 28s + 38) is stable from k = 38/28 on."""
     margins = loop_margins(control.tf([1, 28, 38], [1, 0, 0, 0]))
