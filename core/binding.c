@@ -196,7 +196,14 @@ static int one_number(PyObject *object, double *number) {
 /* A state, or a position at rest. */
 static int plain_state(PyObject *object, int order, jounce_state *state) {
     double values[3] = {0.0, 0.0, 0.0};
-    if (!plain_number(object, &values[0]) && plain_numbers(object, values, order) < 0) {
+    Py_ssize_t count = 1;
+    if (!plain_number(object, &values[0])) {
+        count = plain_numbers(object, values, order);
+    }
+    if (count <= 0) {
+        if (count == 0) {
+            PyErr_SetString(PyExc_TypeError, "a state of no numbers");
+        }
         return 0;
     }
     if (!(is_number(values[0]) && is_number(values[1]) && is_number(values[2]))) {

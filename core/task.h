@@ -161,7 +161,7 @@ void jounce_pose(const jounce_state *start, const jounce_state *end, const jounc
                  double size, double duration, jounce_problem *problem);
 double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
 
-/* Whether the end keeps the bounds. */
+/* Whether the end keeps the bounds, at a distance that doubles hold. */
 int jounce_ends_within(const jounce_task *task);
 
 /* Bring its start inside. */

@@ -128,7 +128,7 @@ void jounce_start_inside(jounce_problem *p) {
 }
 
 int jounce_ends_within(const jounce_task *t) {
-    return t->v_min <= t->v1 && t->v1 <= t->v_max && t->a_min <= t->a1 && t->a1 <= t->a_max;
+    return is_finite(t->distance) && t->v_min <= t->v1 && t->v1 <= t->v_max && t->a_min <= t->a1 && t->a1 <= t->a_max;
 }
 
 static int starts_within(const jounce_task *t) {
