@@ -195,7 +195,12 @@ static int one_number(PyObject *object, double *number) {
 /* A state, or a position at rest. */
 static int plain_state(PyObject *object, int order, jounce_state *state) {
     double values[3] = {0.0, 0.0, 0.0};
-    if (!plain_number(object, &values[0]) && plain_numbers(object, values, order) < 0) {
+    Py_ssize_t count = plain_number(object, &values[0]) ? 1 : plain_numbers(object, values, order);
+    if (count < 0) {
+        return 0;
+    }
+    if (count == 0) {
+        PyErr_SetString(PyExc_ValueError, "a state of no numbers");
         return 0;
     }
     if (!(is_number(values[0]) && is_number(values[1]) && is_number(values[2]))) {

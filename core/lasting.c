@@ -84,16 +84,17 @@ static double newton(Trial at) { return at.velocity - at.error / at.slope; }
 /* Where an increasing error is nearest to zero; at one end it may be NaN (far). Newton's iteration,
  * which bisects where it leaves the bracket, and now and then. */
 static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Trial high) {
-    Trial best = low, at;
+    Trial best = low, other = high, at;
     int unknown_is_high = is_nan(high.error), k;
     double following;
     if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
         best = high;
+        other = low;
     }
     following = newton(best);
-    if (!is_nan(low.error) && !is_nan(high.error)) {
-        following = low.velocity + step_to_zero(high.velocity - low.velocity, low.error, low.slope,
-                                                high.error, high.slope);
+    if (!is_nan(other.error)) {
+        following = best.velocity + step_to_zero(other.velocity - best.velocity, best.error,
+                                                 best.slope, other.error, other.slope);
     }
     for (k = 0; k < MOST_ITERATIONS && magnitude(best.error) > noise; k++) {
         if (!(low.velocity < following && following < high.velocity) || k % 8 == 7) {
