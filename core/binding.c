@@ -670,8 +670,15 @@ typedef struct {
 /* Read start, end and bounds; 0 with an error set. */
 static int problem_of(PyObject *const *args, Problem *p) {
     p->order = plain_limits(args[2], 2, &p->limits);
-    return p->order != 0 && plain_state(args[0], p->order, &p->start) &&
-           plain_state(args[1], p->order, &p->end);
+    if (p->order == 0 || !plain_state(args[0], p->order, &p->start) ||
+        !plain_state(args[1], p->order, &p->end)) {
+        return 0;
+    }
+    if (!is_number(p->end.x - p->start.x)) {
+        PyErr_SetString(PyExc_ValueError, "the distance between start and end must be finite");
+        return 0;
+    }
+    return 1;
 }
 
 /* A Motion where there is one, else the status. */
