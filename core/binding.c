@@ -196,14 +196,12 @@ static int one_number(PyObject *object, double *number) {
 /* A state, or a position at rest. */
 static int plain_state(PyObject *object, int order, jounce_state *state) {
     double values[3] = {0.0, 0.0, 0.0};
-    Py_ssize_t count = 1;
-    if (!plain_number(object, &values[0])) {
-        count = plain_numbers(object, values, order);
+    Py_ssize_t count = plain_number(object, &values[0]) ? 1 : plain_numbers(object, values, order);
+    if (count < 0) {
+        return 0;
     }
-    if (count <= 0) {
-        if (count == 0) {
-            PyErr_SetString(PyExc_TypeError, "a state of no numbers");
-        }
+    if (count == 0) {
+        PyErr_SetString(PyExc_ValueError, "a state of no numbers");
         return 0;
     }
     if (!(is_number(values[0]) && is_number(values[1]) && is_number(values[2]))) {
@@ -673,8 +671,15 @@ typedef struct {
 /* Read start, end and bounds; 0 with an error set. */
 static int problem_of(PyObject *const *args, Problem *p) {
     p->order = plain_limits(args[2], 2, &p->limits);
-    return p->order != 0 && plain_state(args[0], p->order, &p->start) &&
-           plain_state(args[1], p->order, &p->end);
+    if (p->order == 0 || !plain_state(args[0], p->order, &p->start) ||
+        !plain_state(args[1], p->order, &p->end)) {
+        return 0;
+    }
+    if (!is_number(p->end.x - p->start.x)) {
+        PyErr_SetString(PyExc_ValueError, "the distance between start and end must be finite");
+        return 0;
+    }
+    return 1;
 }
 
 /* A Motion where there is one, else the status. */

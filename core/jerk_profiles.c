@@ -356,25 +356,16 @@ static inline double steepness(const jounce_family *f, int kind, const Point *at
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
-/* Where a cubic through two points makes the error zero; the secant where it cannot tell. */
-static inline double crossing(const jounce_family *f, int kind, const Point *a, const Point *b) {
-    double step = b->s - a->s, gain = b->error - a->error, part = -a->error / gain;
-    double rest = 1.0 - part, secant = a->s + step * part, bend;
-    double at_a = steepness(f, kind, a), at_b = steepness(f, kind, b);
-    if (!(at_a * at_b > 0.0 && at_a * gain * step > 0.0)) {
-        return secant;
-    }
-    bend = part * rest * ((gain / at_a - step) * rest - (gain / at_b - step) * part);
-    return magnitude(bend) < magnitude(step) * smaller(part, rest) ? secant + bend : secant;
-}
-
 /* The profile between two points at which the distance errs either way: Newton's iteration, which
  * ends where the curvature seen tells that its next step leaves nothing but rounding. */
 static jounce_profile between(const jounce_family *f, int kind, const Point *first,
                               const Point *last) {
     double low = smaller(first->s, last->s), high = larger(first->s, last->s);
     int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
-    double following = crossing(f, kind, first, last), moved = 0.0, steep_before = 0.0;
+    double following = first->s + step_to_zero(last->s - first->s, first->error,
+                                               steepness(f, kind, first), last->error,
+                                               steepness(f, kind, last));
+    double moved = 0.0, steep_before = 0.0;
     Point at;
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;

@@ -79,17 +79,24 @@ static Trial trial_towards(Cruise *c, Trial from, double bound, double duration)
     return at;
 }
 
-/* Where an increasing error is nearest to zero; at one end it may be NaN (far). Newton's iteration
- * from the nearer end, which bisects where it leaves the bracket or gains too little. */
+static double newton(Trial at) { return at.velocity - at.error / at.slope; }
+
+/* Where an increasing error is nearest to zero; at one end it may be NaN (far). Newton's iteration,
+ * which bisects where it leaves the bracket, and now and then. */
 static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Trial high) {
-    Trial best = low, at;
+    Trial best = low, other = high, at;
     int unknown_is_high = is_nan(high.error), k;
+    double following;
     if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
         best = high;
+        other = low;
     }
-    at = best;
+    following = newton(best);
+    if (!is_nan(other.error)) {
+        following = best.velocity + step_to_zero(other.velocity - best.velocity, best.error,
+                                                 best.slope, other.error, other.slope);
+    }
     for (k = 0; k < MOST_ITERATIONS && magnitude(best.error) > noise; k++) {
-        double following = at.velocity - at.error / at.slope;
         if (!(low.velocity < following && following < high.velocity) || k % 8 == 7) {
             following = 0.5 * (low.velocity + high.velocity);
             if (!(low.velocity < following && following < high.velocity)) {
@@ -99,15 +106,15 @@ static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Tria
         at = trial(c, following, duration);
         if (magnitude(at.error) < magnitude(best.error)) {
             best = at;
+        } else if (magnitude(best.error) <= 64.0 * noise) { /* rounding allows no more */
+            break;
         }
         if (is_nan(at.error) ? unknown_is_high : at.error >= 0.0) {
             high = at;
         } else {
             low = at;
         }
-        if (is_nan(at.error)) {
-            at = best;
-        }
+        following = newton(is_nan(at.error) ? best : at);
     }
     return best;
 }
@@ -147,7 +154,7 @@ static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
     if (is_nan(low.error) && is_nan(high.error)) {
         return 0;
     }
-    best = bracketed(c, duration, 0.25 * EPSILON * size, low, high);
+    best = bracketed(c, duration, 0.125 * EPSILON * size, low, high);
     if (c->to.v1 != best.velocity) {
         cruise_at(c, best.velocity, duration);
     }

@@ -147,6 +147,18 @@ static inline double cube_root(double x) {
     return x < 0.0 ? -y : y;
 }
 
+/* How far a function goes to zero, which is `error` with derivative `slope` here and known a `step`
+ * away, where it has the other sign: by a cubic of the inverse, or a secant where that cannot tell. */
+static inline double step_to_zero(double step, double error, double slope, double other_error,
+                                  double other_slope) {
+    double gain = other_error - error, part = -error / gain, rest = 1.0 - part, bend;
+    if (!(slope * other_slope > 0.0 && slope * gain * step > 0.0)) {
+        return step * part;
+    }
+    bend = part * rest * ((gain / slope - step) * rest - (gain / other_slope - step) * part);
+    return step * part + (magnitude(bend) < magnitude(step) * smaller(part, rest) ? bend : 0.0);
+}
+
 /* e^x, to about an ulp. */
 static inline double exponential(double x) {
     double r, sum = 1.0;

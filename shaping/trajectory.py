@@ -113,7 +113,7 @@ class Trajectory(Frozen):
         """Return a motion of the core; its arrays are made when they are asked for."""
         trajectory = object.__new__(cls)
         fields = trajectory.__dict__  # the way around `frozen`
-        fields["_motion"], fields["coasting"] = motion, min(1, motion.order - 1)
+        fields["_motion"], fields["coasting"] = motion, 1 if motion.order > 1 else 0
         return trajectory
 
     def __getattr__(self, name: str) -> Any:

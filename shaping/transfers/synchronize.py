@@ -75,11 +75,12 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     (4.5, 4.5, 2.28)
     """
     one_of("mode", mode, ("start", "end", "both", "straight-line"))
-    if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
-        raise TypeError(f"transfers = {shown(transfers)}: expected a list with one entry per axis")
-    transfers = list(transfers)
-    if mode == "both" and set(map(type, transfers)) == {Transfer}:
-        together = _in_the_core(transfers)  # type: ignore[arg-type]
+    if type(transfers) is not list:
+        if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
+            raise TypeError(f"transfers = {shown(transfers)}: expected a list with one entry per axis")
+        transfers = list(transfers)
+    if mode == "both":
+        together = _in_the_core(transfers)
         if together is not None:
             return together
     axes = [as_axis(number, given) for number, given in enumerate(transfers)]
@@ -94,19 +95,20 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     return _both(axes)
 
 
-def _in_the_core(transfers: list[Transfer]) -> tuple[Transfer, ...] | None:
+def _in_the_core(transfers: list[Given]) -> tuple[Transfer, ...] | None:
     """Return transfers as they were planned, slowed down to one duration; None for others."""
-    limits = [one.limits for one in transfers if one.limits is not None]
-    motions = tuple([vars(one)["_motion"] for one in transfers if "_motion" in vars(one)])
-    if not len(motions) == len(limits) == len(transfers):
+    own = [one for one in transfers if type(one) is Transfer and "_motion" in one.__dict__]
+    if not len(own) == len(transfers) > 0:
         return None
+    motions = tuple([one.__dict__["_motion"] for one in own])
+    limits = [one.__dict__["limits"] for one in own]
     found = core.together(motions, tuple([each.flat for each in limits]))
     if isinstance(found, int):
         return None
     return tuple(
         [
             one if motion is before else Transfer.of(motion, each)
-            for one, before, motion, each in zip(transfers, motions, found, limits, strict=True)
+            for one, before, motion, each in zip(own, motions, found, limits, strict=True)
         ]
     )
 

@@ -28,6 +28,8 @@ REFUSED = [
     ((None, 1.0), TypeError, "start position = None: expected a number"),
     ((0.0, (1.0, "fast")), (TypeError, ValueError), "fast"),
     (((-1e308, 0.0), 1e308), ValueError, "the distance between start and end = inf"),
+    (((-1e308,), (1e308,)), ValueError, "the distance between start and end = inf"),
+    (([], []), ValueError, "start = []: expected (position, velocity, acceleration)"),
 ]
 
 
