@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..checks import positive
-from ..limits import Limits
+from ..limits import Limits, of_one
 from ..pieces import extrema
 from ..trajectory import Trajectory
 
@@ -52,9 +52,7 @@ def binding_limits(
         raise TypeError(
             f"trajectory = {trajectory!r}: expected a Trajectory, as min_time_move gives"
         )
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
-    rtol = positive("rtol", rtol)
+    limits, rtol = of_one(limits), positive("rtol", rtol)
     if rtol >= 1.0:
         raise ValueError(
             f"rtol = {rtol!r}: expected less than 1, at which everything is at a bound"
