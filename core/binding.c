@@ -1193,8 +1193,17 @@ typedef struct {
     double *out;
 } Lanes;
 
-/* NaN, the duration of what is no motion, is not smaller. */
-static double smaller_of(double x, double duration) { return duration < x ? duration : x; }
+static double smaller_of(double a, double b) { return b < a ? b : a; }
+
+/* What is no motion, its duration NaN, has no values. */
+static void put_nothing(const Lanes *l, Py_ssize_t i) {
+    Py_ssize_t k, j;
+    for (k = 0; k <= l->last - l->first; k++) {
+        for (j = 0; j < l->points; j++) {
+            l->out[(k * l->count + i) * l->points + j] = (double)NAN;
+        }
+    }
+}
 
 /* One after the other, in memory for the breaks and the states of one, zero before. */
 static jounce_status evaluate_all(const Lanes *l, double *memory) {
@@ -1210,11 +1219,15 @@ static jounce_status evaluate_all(const Lanes *l, double *memory) {
     pieces.states = states;
     for (i = 0; i < l->count && status == JOUNCE_OK; i++) {
         const double *own = l->states + i * l->most * width, *end = l->ends + i * width;
+        if (l->durations[i] != l->durations[i]) {
+            put_nothing(l, i);
+            continue;
+        }
         pieces.durations = l->lengths + i * l->most;
         for (k = 0; k < l->most; k++) {
             breaks[k + 1] = smaller_of(breaks[k] + pieces.durations[k], l->durations[i]);
         }
-        breaks[l->most] = l->most > 0 ? l->durations[i] : 0.0;
+        breaks[l->most] = l->durations[i];
         memcpy(states, l->most > 0 ? own : end, known);
         memcpy(states + width, own, (size_t)l->most * row);
         memcpy(states + (l->most + 1) * width, end, known);

@@ -301,7 +301,6 @@ class MotionBatch(Frozen):
             out[:, part] = values
 
         in_threads(some, size, self._at_once(points * len(derivatives)))
-        out[:, ~self.feasible.ravel()] = np.nan
         return out.reshape(len(derivatives), *self.shape, *tail)
 
     def _times(self, t: ArrayLike, rows: int, *, each: bool) -> FloatArray:

@@ -13,7 +13,7 @@ from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
 from . import plans
-from .lanes import Shape, in_threads, index_text, lanes, limits_of, sides
+from .lanes import AT_ONCE, Shape, in_threads, index_text, lanes, limits_of, sides
 
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
@@ -47,7 +47,7 @@ class ClosedForms(Frozen):
             result = plans.plan(lengths, bounds)
             duration.reshape(-1)[part], forms.reshape(-1)[part] = result
 
-        in_threads(some, duration.size)
+        in_threads(some, duration.size, AT_ONCE // 2)  # whose arrays take half a megabyte
         return cls(distances, starts, limits, forms)
 
     @property

@@ -129,10 +129,10 @@ def test_one_that_cannot_be_reached_raises_as_it_does_alone(order):
 
 def test_transfers_are_counted_from_either_end():
     batch = min_time_transfers([0.0], [[1.0], [2.0], [3.0]], LIMITS[2])
-    assert batch.transfer(-1).end_state[0] == 3.0
-    assert batch.transfer(-3).end_state[0] == 1.0
+    assert batch[-1].end_state[0] == 3.0
+    assert batch[-3].end_state[0] == 1.0
     with pytest.raises(IndexError):
-        batch.transfer(3)
+        batch[3]
 
 
 def test_a_transfer_to_where_it_stands_is_a_point():
