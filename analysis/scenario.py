@@ -17,7 +17,6 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..shaping.limits import Bound
 from . import scenario_checks as checks
 from .overrides import Place, override
 from .reading import read_toml
@@ -87,7 +86,7 @@ class Move:
 
     name: str
     distance: float
-    bounds: tuple[Bound, ...]
+    bounds: tuple[checks.Bound, ...]
     limits_name: str
     settle_to: float
 
@@ -192,7 +191,7 @@ class _Mode(_Section):
 
 
 _LimitSet = Annotated[
-    dict[str, Annotated[Bound, PlainValidator(checks.read_bound)]],
+    dict[str, Annotated[checks.Bound, PlainValidator(checks.read_bound)]],
     BeforeValidator(checks.named_bounds),
 ]
 
@@ -307,7 +306,7 @@ def _scenario(
     )
 
 
-def _move(move: _Move, limits: dict[str, Bound]) -> Move:
+def _move(move: _Move, limits: dict[str, checks.Bound]) -> Move:
     order = 1 + max(checks.LIMIT_KEYS.index(key) for key in limits)
     return Move(
         name=move.name,

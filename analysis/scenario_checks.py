@@ -10,7 +10,6 @@ from typing import Any, cast
 from pydantic import PlainValidator, ValidationInfo, ValidatorFunctionWrapHandler
 
 from ..shaping.derivatives import DERIVATIVE_NAMES
-from ..shaping.limits import Bound
 from ..shaping.moves import MAX_MOVE_ORDER
 from .scenario_messages import unknown_key, what_to_write
 from .units import (
@@ -24,6 +23,9 @@ from .units import (
     parse_unit,
     show,
 )
+
+Bound = float | tuple[float, float]
+"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
 
 HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 HIGHEST_FILTER_ORDER = 50

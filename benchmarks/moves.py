@@ -14,8 +14,7 @@ import numpy as np
 import ruckig
 from timing import ratio, side_by_side, table
 
-from jounce.shaping import Limits
-from jounce.shaping.batches.many_moves import min_time_moves
+from jounce.shaping import Limits, min_time_moves
 
 PROBLEMS = 100_000
 SAMPLED = 2_000  # of them, on a common grid of POINTS times
@@ -81,10 +80,11 @@ def planning_rows() -> list[tuple[str, ...]]:
         )
         found.append(_row(f"order {order}", planned, peer, plan))
         found.append(_row(f"order {order}, with all pieces", with_pieces, peer, pieces))
-    velocity = np.random.default_rng(1).uniform(1.0, 3.0, PROBLEMS)
+    velocity, acceleration, jerk = np.random.default_rng(1).uniform(1.0, 3.0, (3, PROBLEMS))
     uneven = Limits(2.0, (-4.0, 3.0), (-6.0, 8.0))
     for name, limits in (
-        ("order 3, a velocity bound each", {"velocity": velocity, "acceleration": 3, "jerk": 8}),
+        ("order 3, a velocity bound each", Limits(velocity, 3.0, 8.0)),
+        ("order 3, three bounds each", Limits(velocity, acceleration, jerk)),
         ("order 3, other bounds backwards", uneven),
         ("order 4", Limits(*BOUNDS[:4])),
         ("order 6", Limits(*BOUNDS)),

@@ -977,27 +977,46 @@ static PyObject *transfers(PyObject *module, PyObject *const *args, Py_ssize_t g
 }
 
 /* Pieces of all motions, `most` of each: those that a motion lacks take no time, at its end. */
+static void lay_out_one(const jounce_motion *motion, int order, int most, double *lengths,
+                        double *states, double *end) {
+    int width = order + 1, k;
+    end_row(motion, order, end);
+    for (k = 0; k < most; k++) {
+        double *row = states + k * width;
+        lengths[k] = k < motion->count ? motion->pieces[k].duration : 0.0;
+        if (k < motion->count) {
+            row_of(&motion->pieces[k], order, row);
+        } else {
+            memcpy(row, end, (size_t)width * sizeof(double));
+        }
+    }
+}
+
+/* What no motion is: no time at no place. */
+static void lay_out_none(int order, int most, double *lengths, double *states, double *end) {
+    int width = order + 1, k;
+    for (k = 0; k < most; k++) {
+        lengths[k] = 0.0;
+    }
+    for (k = 0; k < most * width; k++) {
+        states[k] = (double)NAN;
+    }
+    for (k = 0; k < width; k++) {
+        end[k] = (double)NAN;
+    }
+}
+
 static void lay_out_all(const Problems *p, int most, double *lengths, double *states,
                         double *ends) {
-    int width = p->order + 1, k;
+    int width = p->order + 1;
     jounce_motion motion;
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
-        double *end = ends + i * width;
-        int ok = solve(p, i, &motion) == JOUNCE_OK, count = ok ? motion.count : 0;
-        if (ok) {
-            end_row(&motion, p->order, end);
+        double *own = states + i * most * width;
+        if (solve(p, i, &motion) == JOUNCE_OK) {
+            lay_out_one(&motion, p->order, most, lengths + i * most, own, ends + i * width);
         } else {
-            memset(end, 0, (size_t)width * sizeof(double));
-        }
-        for (k = 0; k < most; k++) {
-            double *row = states + (i * most + k) * width;
-            lengths[i * most + k] = k < count ? motion.pieces[k].duration : 0.0;
-            if (k < count) {
-                row_of(&motion.pieces[k], p->order, row);
-            } else {
-                memcpy(row, end, (size_t)width * sizeof(double));
-            }
+            lay_out_none(p->order, most, lengths + i * most, own, ends + i * width);
         }
     }
 }
@@ -1041,15 +1060,189 @@ static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssi
     Py_RETURN_NONE;
 }
 
+/* --- many moves --------------------------------------------------------------------------------- */
+
+/* The order of moves, 1 to 3; 0 with an error set. */
+static int move_order_of(PyObject *object) {
+    long order = PyLong_AsLong(object);
+    if ((order < 1 || order > 3) && !PyErr_Occurred()) {
+        PyErr_Format(PyExc_ValueError, "order = %ld: expected 1 to 3", order);
+    }
+    return order >= 1 && order <= 3 ? (int)order : 0;
+}
+
+/* Sides of the bounds of N moves, or of one for all; lower ones missing are those of the upper. */
+typedef struct {
+    const double *lower[3], *upper[3];
+    Py_ssize_t lower_steps[3], upper_steps[3];
+    int order, even;
+} Sides;
+
+static jounce_limits limits_at(const Sides *s, Py_ssize_t i) {
+    double bounds[6];
+    int k;
+    for (k = 0; k < s->order; k++) {
+        bounds[2 * k + 1] = s->upper[k][i * s->upper_steps[k]];
+        bounds[2 * k] = s->even ? -bounds[2 * k + 1] : s->lower[k][i * s->lower_steps[k]];
+    }
+    return limits_of(bounds, s->order);
+}
+
+/* Look into distances, durations, upper and lower bounds; how many views were taken, or 0. */
+static int look_into_moves(PyObject *const *args, Py_ssize_t count, Sides *s, Py_buffer *views) {
+    Wanted wanted[8];
+    int k, sides = 2 + (s->even ? s->order : 2 * s->order);
+    wanted[0] = doubles_for_all(args[1], 1, count);
+    wanted[1] = room(args[4], count);
+    for (k = 0; k < s->order; k++) {
+        wanted[2 + k] = doubles_for_all(PyTuple_GetItem(args[3], k), 1, count);
+        if (!s->even) {
+            wanted[2 + s->order + k] = doubles_for_all(PyTuple_GetItem(args[2], k), 1, count);
+        }
+    }
+    if (!look_into(wanted, sides, views)) {
+        return 0;
+    }
+    for (k = 0; k < s->order; k++) {
+        s->upper[k] = views[2 + k].buf;
+        s->upper_steps[k] = step_of(&views[2 + k], 1, count);
+        if (!s->even) {
+            s->lower[k] = views[2 + s->order + k].buf;
+            s->lower_steps[k] = step_of(&views[2 + s->order + k], 1, count);
+        }
+    }
+    return sides;
+}
+
+static int is_tuple_of(PyObject *object, Py_ssize_t count) {
+    return PyTuple_Check(object) && PyTuple_Size(object) == count;
+}
+
+static PyObject *move_durations(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[8];
+    Py_ssize_t count, step, i;
+    const double *distances;
+    double *durations;
+    Sides s;
+    int taken;
+    (void)module;
+    if (!expect(given, 5, "move_durations(order, distances, lower, upper, durations)")) {
+        return NULL;
+    }
+    s.order = move_order_of(args[0]);
+    s.even = args[2] == Py_None;
+    count = s.order != 0 ? PyObject_Size(args[4]) : -1;
+    if (count < 0) {
+        return NULL;
+    }
+    if (!is_tuple_of(args[3], s.order) || !(s.even || is_tuple_of(args[2], s.order))) {
+        PyErr_SetString(PyExc_TypeError, "move_durations: expected tuples of as many bounds as the "
+                                         "order says");
+        return NULL;
+    }
+    taken = look_into_moves(args, count, &s, views);
+    if (taken == 0) {
+        return NULL;
+    }
+    distances = views[0].buf;
+    durations = views[1].buf;
+    step = step_of(&views[0], 1, count);
+    Py_BEGIN_ALLOW_THREADS
+    for (i = 0; i < count; i++) {
+        jounce_limits limits = limits_at(&s, i);
+        double distance = distances[i * step];
+        durations[i] = distance == 0.0 ? 0.0 : jounce_move_duration(distance, &limits);
+    }
+    Py_END_ALLOW_THREADS
+    release(views, taken);
+    Py_RETURN_NONE;
+}
+
+/* A move from `start` on, its pieces laid out. */
+static void lay_out_move(double distance, double start, const double *bounds, int order, int most,
+                         double *lengths, double *states, double *end) {
+    jounce_limits limits = limits_of(bounds, order);
+    jounce_motion motion;
+    int k;
+    if (jounce_move(distance, &limits, &motion) != JOUNCE_OK) {
+        lay_out_none(order, most, lengths, states, end);
+        return;
+    }
+    for (k = 0; k < motion.count; k++) {
+        motion.pieces[k].x += start;
+    }
+    motion.end.x = start + distance;
+    lay_out_one(&motion, order, most, lengths, states, end);
+}
+
+static PyObject *move_pieces(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[6];
+    Wanted wanted[6];
+    Py_ssize_t count, steps[3], width, i;
+    long most;
+    int order;
+    (void)module;
+    if (!expect(given, 8, "move_pieces(order, distances, starts, bounds, most, lengths, states, "
+                          "end_states)")) {
+        return NULL;
+    }
+    order = move_order_of(args[0]);
+    width = order + 1;
+    count = order != 0 ? PyObject_Size(args[5]) : -1;
+    most = count < 0 ? -1 : PyLong_AsLong(args[4]);
+    if (most < 0 || most > JOUNCE_MOST_PIECES) {
+        if (!PyErr_Occurred()) {
+            PyErr_Format(PyExc_ValueError, "most = %ld: expected 0 to %d", most,
+                         JOUNCE_MOST_PIECES);
+        }
+        return NULL;
+    }
+    wanted[0] = doubles_for_all(args[1], 1, count);
+    wanted[1] = doubles_for_all(args[2], 1, count);
+    wanted[2] = doubles_for_all(args[3], (Py_ssize_t)order * 2, count);
+    wanted[3] = room(args[5], count * most);
+    wanted[4] = room(args[6], count * most * width);
+    wanted[5] = room(args[7], count * width);
+    if (!look_into(wanted, 6, views)) {
+        return NULL;
+    }
+    for (i = 0; i < 3; i++) {
+        steps[i] = step_of(&views[i], i < 2 ? 1 : (Py_ssize_t)order * 2, count);
+    }
+    Py_BEGIN_ALLOW_THREADS
+    for (i = 0; i < count; i++) {
+        lay_out_move(((const double *)views[0].buf)[i * steps[0]],
+                     ((const double *)views[1].buf)[i * steps[1]],
+                     (const double *)views[2].buf + i * steps[2], order, (int)most,
+                     (double *)views[3].buf + i * most, (double *)views[4].buf + i * most * width,
+                     (double *)views[5].buf + i * width);
+    }
+    Py_END_ALLOW_THREADS
+    release(views, 6);
+    Py_RETURN_NONE;
+}
+
 /* --- values of many motions --------------------------------------------------------------------- */
 
 /* Motions of up to `most` pieces; those that take no time are passed over. */
 typedef struct {
     int order, first, last;
     Py_ssize_t count, most, points, times_step; /* the times of all where the step is zero */
-    const double *lengths, *states, *ends, *times;
+    const double *durations, *lengths, *states, *ends, *times;
     double *out;
 } Lanes;
+
+static double smaller_of(double a, double b) { return b < a ? b : a; }
+
+/* What is no motion, its duration NaN, has no values. */
+static void put_nothing(const Lanes *l, Py_ssize_t i) {
+    Py_ssize_t k, j;
+    for (k = 0; k <= l->last - l->first; k++) {
+        for (j = 0; j < l->points; j++) {
+            l->out[(k * l->count + i) * l->points + j] = (double)NAN;
+        }
+    }
+}
 
 /* One after the other, in memory for the breaks and the states of one, zero before. */
 static jounce_status evaluate_all(const Lanes *l, double *memory) {
@@ -1065,10 +1258,15 @@ static jounce_status evaluate_all(const Lanes *l, double *memory) {
     pieces.states = states;
     for (i = 0; i < l->count && status == JOUNCE_OK; i++) {
         const double *own = l->states + i * l->most * width, *end = l->ends + i * width;
+        if (l->durations[i] != l->durations[i]) {
+            put_nothing(l, i);
+            continue;
+        }
         pieces.durations = l->lengths + i * l->most;
         for (k = 0; k < l->most; k++) {
-            breaks[k + 1] = breaks[k] + pieces.durations[k];
+            breaks[k + 1] = smaller_of(breaks[k] + pieces.durations[k], l->durations[i]);
         }
+        breaks[l->most] = l->durations[i];
         memcpy(states, l->most > 0 ? own : end, known);
         memcpy(states + width, own, (size_t)l->most * row);
         memcpy(states + (l->most + 1) * width, end, known);
@@ -1079,29 +1277,29 @@ static jounce_status evaluate_all(const Lanes *l, double *memory) {
 }
 
 static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssize_t given) {
-    Py_buffer views[5];
-    Wanted wanted[5];
+    Py_buffer views[6];
+    Wanted wanted[6];
     Lanes l;
     Py_ssize_t rows, size;
     double *memory;
     jounce_status status;
     (void)module;
-    if (!expect(given, 8, "evaluate_lanes(lengths, states, end_states, times, points, first, last, "
-                          "out)") ||
-        !derivative_of(args[5], &l.first) || !derivative_of(args[6], &l.last)) {
+    if (!expect(given, 9, "evaluate_lanes(durations, lengths, states, end_states, times, points, "
+                          "first, last, out)") ||
+        !derivative_of(args[6], &l.first) || !derivative_of(args[7], &l.last)) {
         return NULL;
     }
-    l.count = PyObject_Size(args[2]);
-    l.points = PyLong_AsSsize_t(args[4]);
+    l.count = PyObject_Size(args[3]);
+    l.points = PyLong_AsSsize_t(args[5]);
     if (l.count < 0 || (l.points < 0 && PyErr_Occurred())) {
         return NULL;
     }
-    if (!look(args[2], &views[0], READ)) {
+    if (!look(args[3], &views[0], READ)) {
         return NULL;
     }
     l.order = l.count > 0 ? (int)(items(&views[0]) / l.count) - 1 : 1;
     PyBuffer_Release(&views[0]);
-    if (!look(args[0], &views[0], READ)) {
+    if (!look(args[1], &views[0], READ)) {
         return NULL;
     }
     l.most = l.count > 0 ? items(&views[0]) / l.count : 0;
@@ -1112,12 +1310,13 @@ static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssiz
                                           "n = 1 to 40, and first <= last");
         return NULL;
     }
-    wanted[0] = doubles(args[0], l.count * l.most);
-    wanted[1] = doubles(args[1], l.count * l.most * (l.order + 1));
-    wanted[2] = doubles(args[2], l.count * (l.order + 1));
-    wanted[3] = doubles_for_all(args[3], l.points, l.count);
-    wanted[4] = room(args[7], rows * l.count * l.points);
-    if (!look_into(wanted, 5, views)) {
+    wanted[0] = doubles(args[1], l.count * l.most);
+    wanted[1] = doubles(args[2], l.count * l.most * (l.order + 1));
+    wanted[2] = doubles(args[3], l.count * (l.order + 1));
+    wanted[3] = doubles_for_all(args[4], l.points, l.count);
+    wanted[4] = room(args[8], rows * l.count * l.points);
+    wanted[5] = doubles(args[0], l.count);
+    if (!look_into(wanted, 6, views)) {
         return NULL;
     }
     l.lengths = views[0].buf;
@@ -1126,17 +1325,18 @@ static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssiz
     l.times = views[3].buf;
     l.times_step = step_of(&views[3], l.points, l.count);
     l.out = views[4].buf;
+    l.durations = views[5].buf;
     size = l.most + 1 + (l.most + 2) * (l.order + 1);
     memory = PyMem_Calloc((size_t)size, sizeof(double));
     if (memory == NULL) {
-        release(views, 5);
+        release(views, 6);
         return PyErr_NoMemory();
     }
     Py_BEGIN_ALLOW_THREADS
     status = evaluate_all(&l, memory);
     Py_END_ALLOW_THREADS
     PyMem_Free(memory);
-    release(views, 5);
+    release(views, 6);
     if (status != JOUNCE_OK) {
         PyErr_SetString(PyExc_ValueError, "times must be finite: got NaN or infinity");
         return NULL;
@@ -1543,13 +1743,24 @@ static PyMethodDef functions[] = {
      "in the arguments of a message and calls note(status, category, text) of the environment "
      "(FMI2_MARK, note), or of another environment the function at the address `strays`."},
     {"evaluate_lanes", FAST(evaluate_lanes), METH_FASTCALL,
-     "evaluate_lanes(lengths, states, end_states, times, points, first, last, out)\n--\n\nPut "
-     "derivatives first to last of N motions in place, (last - first + 1, N, points), at times "
-     "(points,) of all or (N, points). Lengths (N, m) are those of the pieces, states "
-     "(N, m, n + 1) those at their starts, end_states (N, n + 1)."},
+     "evaluate_lanes(durations, lengths, states, end_states, times, points, first, last, out)\n"
+     "--\n\nPut derivatives first to last of N motions in place, (last - first + 1, N, points), "
+     "at times (points,) of all or (N, points). Durations (N,) are those of the motions, lengths "
+     "(N, m) those of their pieces, states (N, m, n + 1) those at the starts of these, "
+     "end_states (N, n + 1)."},
+    {"move_durations", FAST(move_durations), METH_FASTCALL,
+     "move_durations(order, distances, lower, upper, durations)\n--\n\nPut the durations of N moves "
+     "of order 1 to 3 in place, NaN where there is none. Distances are (N,), lower and upper bounds "
+     "tuples of arrays (N,), or those of one for all; lower ones are None where they are those of "
+     "the upper with the other sign."},
+    {"move_pieces", FAST(move_pieces), METH_FASTCALL,
+     "move_pieces(order, distances, starts, bounds, most, lengths, states, end_states)\n--\n\nPut "
+     "the pieces of N moves in place, (N, most), (N, most, order + 1) and (N, order + 1); NaN "
+     "where there is none."},
     {"transfer_pieces", FAST(transfer_pieces), METH_FASTCALL,
      "transfer_pieces(order, starts, ends, bounds, most, lengths, states, end_states)\n--\n\nPut "
-     "the pieces of N transfers in place, (N, most), (N, most, order + 1) and (N, order + 1)."},
+     "the pieces of N transfers in place, (N, most), (N, most, order + 1) and (N, order + 1); NaN "
+     "where there is none."},
     {NULL, NULL, 0, NULL},
 };
 

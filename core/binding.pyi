@@ -106,7 +106,27 @@ def transfer_pieces(
     /,
 ) -> None: ...
 def fmi2_logger(strays: int, /) -> int: ...
+def move_durations(
+    order: int,
+    distances: FloatArray,
+    lower: tuple[FloatArray, ...] | None,
+    upper: tuple[FloatArray, ...],
+    durations: FloatArray,
+    /,
+) -> None: ...
+def move_pieces(
+    order: int,
+    distances: FloatArray,
+    starts: FloatArray,
+    bounds: FloatArray,
+    most: int,
+    lengths: FloatArray,
+    states: FloatArray,
+    end_states: FloatArray,
+    /,
+) -> None: ...
 def evaluate_lanes(
+    durations: FloatArray,
     lengths: FloatArray,
     states: FloatArray,
     end_states: FloatArray,

@@ -13,12 +13,12 @@ from .rise import switch_fractions
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from .batches.many_moves import min_time_moves
-    from .batches.move_batch import MoveBatch
+    from .batch import MotionBatch
+    from .batches.moves import min_time_moves
+    from .batches.transfers import min_time_transfers
     from .followers import CommandFollower, FollowerResponse
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
-    from .transfers.batch import TransferBatch, min_time_transfers
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
@@ -31,15 +31,14 @@ _LATER = {
     "CommandFollower": "followers",
     "FollowerResponse": "followers",
     "InfeasibleError": "transfers.infeasible",
-    "MoveBatch": "batches.move_batch",
+    "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
     "Transfer": "transfers.problem",
-    "TransferBatch": "transfers.batch",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
-    "min_time_moves": "batches.many_moves",
+    "min_time_moves": "batches.moves",
     "min_time_transfer": "transfers.transfer",
-    "min_time_transfers": "transfers.batch",
+    "min_time_transfers": "batches.transfers",
     "s_curve_move": "transfers.s_curve",
     "synchronize": "transfers.synchronize",
     "velocity_transfer": "transfers.transfer",
@@ -53,11 +52,10 @@ __all__ = [
     "InfeasibleError",
     "JerkFilter",
     "Limits",
-    "MoveBatch",
+    "MotionBatch",
     "SCurveMove",
     "Trajectory",
     "Transfer",
-    "TransferBatch",
     "binding_limits",
     "bound_for_rise_time",
     "certify",

@@ -1,47 +1,51 @@
-"""Limits: bounds on velocity, acceleration, jerk and any higher derivative."""
+"""Limits: bounds on velocity, acceleration, jerk and any higher derivative, of one or of many."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isinf
+from math import inf
 from typing import Any
 
 import numpy as np
 
 from .. import core
-from .checks import entries, of_kind
+from .bounds import Bound, Side, sides_of
+from .checks import entries
 from .derivatives import derivative_name, derivative_number
-from .real_numbers import real_array, shown
-
-Bound = float | tuple[float, float]
-"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
+from .frozen import Frozen
+from .pieces import FloatArray
+from .real_numbers import shown
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Limits:
+class Limits(Frozen):
     """Bounds lower_k ≤ x^(k)(t) ≤ upper_k on the derivatives k = 1, 2, … of position.
 
     Parameters
     ----------
-    velocity, acceleration, jerk, snap, crackle, pop : float or (float, float), optional
-        A positive number bounds the magnitude; a pair (lower, upper) with lower < 0 < upper
-        bounds the two directions apart. Left out, None or infinite means unbounded. Units are
-        the caller's: any consistent distance and time unit.
+    velocity, acceleration, jerk, snap, crackle, pop : number, pair or array, optional
+        A positive number bounds the magnitude; a tuple or list (lower, upper) with
+        lower < 0 < upper bounds the two directions apart. For many problems, an array (m,) is m
+        bounds on the magnitude, an array (m, 2) m pairs; so is any array whose last axis has two
+        elements. The sides of a pair may be arrays, too. Shapes of problems broadcast with one
+        another, (50, 1) with (60,), as in numpy. Left out, None or infinite means unbounded.
+        Units are the caller's: any consistent distance and time unit.
 
     Attributes
     ----------
     lower, upper : tuple of float
-        Bounds by derivative, velocity first; the last one is finite on at least one side.
+        Bounds by derivative, velocity first; the last one is finite on at least one side. Where
+        a bound was given as an array, it is a read-only array of its problems.
 
     Raises
     ------
     ValueError
-        For a bound that is not positive, a pair that does not enclose zero, a NaN, or no
-        bound at all.
+        For a bound that is not positive, a pair that does not enclose zero, a NaN, no bound at
+        all, or arrays that do not fit.
     TypeError
-        For a bound that is not a number or a pair of numbers.
+        For a bound that is not a number, a pair of numbers, or an array of them.
 
     Examples
     --------
@@ -50,6 +54,8 @@ class Limits:
     3
     >>> limits.bounds("jerk")
     (-30.0, 20.0)
+    >>> Limits(velocity=np.array([1.0, 2.0, 4.0]), jerk=30.0).shape
+    (3,)
     """
 
     lower: tuple[float, ...]
@@ -77,27 +83,57 @@ class Limits:
 
         Parameters
         ----------
-        bounds : iterable of float, (float, float) or None
-            Bound on derivative 1, 2, 3, …; as in `Limits`. An array has one bound or one pair a
-            row.
+        bounds : iterable of number, pair, array or None
+            Bound on derivative 1, 2, 3, …; as in `Limits`.
         """
         limits = object.__new__(cls)
         limits._set(tuple(entries("bounds", bounds)))
         return limits
 
     def _set(self, bounds: tuple[Bound | None, ...]) -> None:
-        pairs = [_pair(bound, k) for k, bound in enumerate(bounds, start=1)]
-        while pairs and pairs[-1] == (-inf, inf):
+        pairs = [sides_of(bound, k) for k, bound in enumerate(bounds, start=1)]
+        while pairs and all(_is_missing(side) for side in pairs[-1] if side is not None):
             pairs.pop()
         if not pairs:
             raise ValueError("no limits given: bound at least one derivative, e.g. acceleration=1")
-        object.__setattr__(self, "lower", tuple(low for low, _ in pairs))
-        object.__setattr__(self, "upper", tuple(high for _, high in pairs))
+        self._take(pairs)
+        try:
+            self.shape  # noqa: B018  (which does not exist where arrays do not fit)
+        except ValueError:
+            shapes = ", ".join(map(str, dict.fromkeys(self._shapes)))
+            raise ValueError(
+                f"limits of shapes {shapes} do not fit: expected shapes of problems that "
+                "broadcast, such as (m,) in all arrays"
+            ) from None
+
+    def _take(self, pairs: list[tuple[Side | None, Side]]) -> None:
+        fields = self.__dict__
+        fields["upper"] = tuple(high for _, high in pairs)
+        if any(low is not None for low, _ in pairs):
+            fields["lower"] = tuple(_opposite(high) if low is None else low for low, high in pairs)
+
+    def __getattr__(self, name: str) -> Any:
+        if name != "lower" or "upper" not in self.__dict__:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        lower = self.__dict__["lower"] = tuple(
+            map(_opposite, self.upper)
+        )  # of both directions alike
+        return lower
+
+    @property
+    def _shapes(self) -> list[tuple[int, ...]]:
+        both = (*self.upper, *self.__dict__.get("lower", ()))
+        return [side.shape for side in both if isinstance(side, np.ndarray)]
 
     @property
     def order(self) -> int:
         """Highest bounded derivative."""
         return len(self.upper)
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the problems whose limits these are; () for limits of one problem."""
+        return np.broadcast_shapes(*self._shapes)
 
     @cached_property
     def flat(self) -> tuple[float, ...]:
@@ -107,7 +143,10 @@ class Limits:
     @property
     def symmetric(self) -> bool:
         """Whether every bound is the same in both directions."""
-        return all(-low == high for low, high in zip(self.lower, self.upper, strict=True))
+        if "lower" not in self.__dict__:
+            return True
+        pairs = zip(self.lower, self.upper, strict=True)
+        return all(bool(np.all(np.negative(low) == high)) for low, high in pairs)
 
     def bounds(self, derivative: int | str) -> tuple[float, float]:
         """Return (lower, upper) of a derivative given by number ≥ 1 or name."""
@@ -122,43 +161,102 @@ class Limits:
             (-high, -low) for low, high in zip(self.lower, self.upper, strict=True)
         )
 
+    def each(self, pick: Callable[[FloatArray], Any]) -> Limits:
+        """Return the limits of some of the problems: `pick` takes theirs out of an array."""
+
+        def picked(side: Side) -> Side:
+            if not isinstance(side, np.ndarray):
+                return side
+            values = np.asarray(pick(side))
+            values.flags.writeable = False
+            return values if values.ndim else float(values)
+
+        limits = object.__new__(Limits)
+        upper = tuple(map(picked, self.upper))
+        if self.symmetric:
+            limits._take([(None, high) for high in upper])
+        else:
+            limits._take(list(zip(map(picked, self.lower), upper, strict=True)))
+        return limits
+
+    @property
+    def _key(self) -> tuple[Any, ...]:
+        sides = (*self.lower, *self.upper)
+        return tuple((s.shape, s.tobytes()) if isinstance(s, np.ndarray) else s for s in sides)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key == other._key if isinstance(other, Limits) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
     def __repr__(self) -> str:
-        shown = [
-            None if isinf(low) and isinf(high) else high if high == -low else (low, high)
-            for low, high in zip(self.lower, self.upper, strict=True)
-        ]
+        told = [_told(low, high) for low, high in zip(self.lower, self.upper, strict=True)]
         if self.order > 6:
-            return f"Limits.from_bounds({shown!r})"
-        named = [
-            f"{derivative_name(k)}={bound!r}"
-            for k, bound in enumerate(shown, start=1)
-            if bound is not None
-        ]
-        return f"Limits({', '.join(named)})"
+            return f"Limits.from_bounds([{', '.join(told)}])"
+        named = (f"{derivative_name(k)}={bound}" for k, bound in enumerate(told, start=1))
+        return f"Limits({', '.join(text for text in named if not text.endswith('=None'))})"
 
 
-def checked_limits(limits: Any) -> Limits:
-    """Return limits; TypeError for anything else."""
-    return of_kind("limits", limits, Limits, "Limits, such as Limits(acceleration=1.0)")
-
-
-def _pair(bound: Bound | None, k: int) -> tuple[float, float]:
-    """Return bound `k` as (lower, upper), checked."""
-    if bound is None:
-        return -inf, inf
-    try:
-        sides = real_array("bound", bound)
-    except TypeError:
-        sides = np.empty(0)
-    if sides.shape not in ((), (2,)):
+def of_one(limits: object) -> Limits:
+    """Return limits of one motion; TypeError for arrays of bounds, and for anything else."""
+    if not isinstance(limits, Limits):
+        raise not_limits(limits)
+    if limits.shape != ():
         raise TypeError(
-            f"{derivative_name(k)} limit {shown(bound)}: expected a positive number or a pair "
-            "(lower, upper) of numbers"
+            f"limits of shape {limits.shape}: expected Limits of numbers, for one motion; "
+            "min_time_moves and min_time_transfers take arrays"
         )
-    low, high = sides.tolist() if sides.ndim else (-float(sides), float(sides))
-    if not low < 0.0 < high:
-        raise ValueError(
-            f"{derivative_name(k)} limit {shown(bound)}: expected a positive number or a pair "
-            "(lower, upper) with lower < 0 < upper; leave it out where there is no limit"
-        )
-    return low, high
+    return limits
+
+
+def not_limits(limits: object) -> TypeError:
+    """Return the error for anything else than limits."""
+    return TypeError(f"limits = {shown(limits)}: expected Limits, such as Limits(acceleration=1.0)")
+
+
+def check_both_sides(limits: Limits) -> None:
+    """Refuse a highest derivative of order ≥ 2 that is not bounded on both sides.
+
+    It is the input, and a motion that starts and ends needs both.
+    """
+    if limits.order == 1:
+        return
+    right = np.isfinite(limits.upper[-1])
+    if not limits.symmetric:
+        right = right & np.isfinite(limits.lower[-1])
+    if not np.all(right):
+        raise one_sided(limits, right, "both bounds of the highest derivative")
+
+
+def one_sided(limits: Limits, right: Any, expected: str) -> ValueError:
+    """Return the error about the first problem whose highest derivative lacks a bound."""
+    problem = tuple(np.argwhere(np.logical_not(right))[0].tolist())
+    sides = limits.lower[-1], limits.upper[-1]
+    low, high = (float(np.broadcast_to(side, np.shape(right))[problem]) for side in sides)
+    where = f" of problem {', '.join(map(str, problem))}" if problem else ""
+    how = "not bounded" if low == -high else "bounded in one direction only"
+    return ValueError(
+        f"{derivative_name(limits.order)}{where} is {how}, ({low:g}, {high:g}): expected {expected}"
+    )
+
+
+def _opposite(side: Side) -> Side:
+    if not isinstance(side, np.ndarray):
+        return -side
+    values = -side
+    values.flags.writeable = False
+    return values
+
+
+def _is_missing(side: Side) -> bool:
+    return bool(np.size(side)) and bool(np.isinf(side).all())
+
+
+def _told(low: Side, high: Side) -> str:
+    if isinstance(low, np.ndarray) or isinstance(high, np.ndarray):
+        same = np.array_equal(np.negative(low), high)
+        return shown(high) if same else f"({shown(low)}, {shown(high)})"
+    if low == -high:
+        return "None" if high == inf else repr(high)
+    return repr((low, high))

@@ -13,7 +13,7 @@ from .. import core
 from .checks import finite, one_of, positive, range_error, whole
 from .closed_form import chain_plan, fastest_plan
 from .derivatives import derivative_name
-from .limits import Limits, checked_limits
+from .limits import Limits, check_both_sides, of_one, one_sided
 from .pieces import MAX_ORDER
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
@@ -292,15 +292,16 @@ def _move(
 ) -> Trajectory:
     """Return a move in either direction, planned in the positive one, after checks."""
     distance, start = finite("distance", distance), finite("start", start)
-    if checked_limits(limits).order > MAX_MOVE_ORDER:
+    if of_one(limits).order > MAX_MOVE_ORDER:
         raise ValueError(
             f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
             "drop the highest bounds or use perfect_spline"
         )
+    check_both_sides(limits)
     if distance == 0.0:
         return point(start, limits.order)
     forward = limits if distance > 0.0 else limits.mirror()
-    _check_bounded(forward)
+    _check_bounded_ahead(forward)
     move = _in_own_units(plan, abs(distance), _without_idle(abs(distance), forward))
     if distance < 0.0:
         move = move.mirror()
@@ -379,13 +380,7 @@ def _positive_spline(distance: float, order: int, bound: float) -> Trajectory:
     return to_trajectory(spline_rise(order, span, distance, bound))
 
 
-def _check_bounded(limits: Limits) -> None:
-    """Refuse limits under which a move in the positive direction has no minimum time."""
-    n = limits.order
-    low, high = limits.bounds(n)
-    one_sided = n in (2, 3) and not (isfinite(low) and isfinite(high))
-    if one_sided or (n == 1 and not isfinite(high)):
-        raise ValueError(
-            f"{derivative_name(n)} is bounded in one direction only, ({low:g}, {high:g}): a move "
-            "of this order needs both bounds of its highest derivative"
-        )
+def _check_bounded_ahead(limits: Limits) -> None:
+    """Refuse a velocity, the only one bounded, that is so in the other direction only."""
+    if limits.order == 1 and not isfinite(limits.upper[0]):
+        raise one_sided(limits, False, "a bound in the direction of the move")

@@ -15,7 +15,7 @@ from .. import core
 from .checks import finite, in_range, of_kind, positive, whole
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
-from .limits import Limits, checked_limits
+from .limits import Limits, of_one
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
 from .real_numbers import real_array, real_number
 from .trajectory_checks import check_shapes, check_times, finite_array
@@ -269,7 +269,7 @@ class Trajectory(Frozen):
         derivative that jumps (beyond n, or where a lower one is discontinuous) is not seen.
         """
         excess = 0.0
-        for k in range(1, checked_limits(limits).order + 1):
+        for k in range(1, of_one(limits).order + 1):
             low, high = self.extremes(k)
             lower, upper = limits.bounds(k)
             excess = max(excess, high / upper - 1.0, low / lower - 1.0)

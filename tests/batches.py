@@ -5,9 +5,10 @@ from __future__ import annotations
 from math import inf
 
 import numpy as np
+from move_batches import many_limits
 from strategies import TransferProblem
 
-from jounce.shaping import InfeasibleError, TransferBatch, min_time_transfers
+from jounce.shaping import InfeasibleError, Limits, MotionBatch, min_time_transfers
 
 
 def edge_transfers(seed, order: int, count: int) -> list[TransferProblem]:
@@ -41,13 +42,13 @@ def _pair(rng: np.random.Generator) -> tuple[float, float]:
     return (-high if rng.random() < 0.6 else -low), high
 
 
-def arrays(problems) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return starts, ends and bounds of problems without missing bounds."""
+def arrays(problems) -> tuple[np.ndarray, np.ndarray, Limits]:
+    """Return starts, ends and limits of problems."""
     starts, ends, bounds = zip(*((p.start, p.end, p.bounds) for p in problems), strict=True)
-    return np.array(starts), np.array(ends), np.array(bounds)
+    return np.array(starts), np.array(ends), many_limits(bounds)
 
 
-def solved(problems) -> TransferBatch:
+def solved(problems) -> MotionBatch:
     """Return the transfers of problems."""
     return min_time_transfers(*arrays(problems))
 

@@ -9,9 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 from references import move_text
 
-from jounce.shaping import Limits, Trajectory, min_time_move
-from jounce.shaping.batches.many_moves import min_time_moves
-from jounce.shaping.batches.move_batch import MoveBatch
+from jounce.shaping import Limits, MotionBatch, Trajectory, min_time_move, min_time_moves
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,17 +74,22 @@ def move_lists(draw, decades: float = 12.0) -> list[MoveProblem]:
     return problems
 
 
-def together(problems) -> MoveBatch:
+def many_limits(bounds) -> Limits:
+    """Return the limits of problems (N, n) of magnitudes or (N, n, 2) of pairs."""
+    return Limits.from_bounds(np.moveaxis(np.asarray(bounds), 1, 0))
+
+
+def together(problems) -> MotionBatch:
     """Return the batch of all problems."""
     distances, starts, bounds = zip(
         *((p.distance, p.start, p.bounds) for p in problems), strict=True
     )
-    return min_time_moves(distances, np.array(bounds), start=starts)
+    return min_time_moves(distances, many_limits(np.array(bounds)), start=starts)
 
 
-def as_trajectory(batch: MoveBatch, i: int) -> Trajectory:
+def as_trajectory(batch: MotionBatch, i: int) -> Trajectory:
     """Return a move as a trajectory of the batch's own pieces."""
     breaks, durations, states = (rows[i] for rows in batch.pieces())
     some = durations > 0.0
-    end = [batch.starts[i] + batch.distances[i], *[0.0] * batch.order]
-    return Trajectory([*breaks[:-1][some], breaks[-1]], states[some], durations[some], end)
+    steps = [*breaks[:-1][some], breaks[-1]]
+    return Trajectory(steps, states[some], durations[some], batch.end_state[i])

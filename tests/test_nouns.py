@@ -63,13 +63,14 @@ MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
 
 NOUNS = [
     LIMITS,
+    Limits(np.array([1.0, 2.0]), (-1.0, 2.0), np.array([[-3.0, 1.0], [-4.0, 5.0]])),
     MOVE,
     Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
     Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]),
     SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
     min_time_transfer((0.0, 2.0), 1.0, LIMITS),
     min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
-    min_time_moves([1.0, 2.0], {"velocity": (-1.0, 2.0), "jerk": [1.0, 2.0]}),
+    min_time_moves([1.0, 2.0], Limits(velocity=(-1.0, 2.0), jerk=np.array([1.0, 2.0]))),
     min_time_moves([1.0, 2.0], Limits(velocity=1.0, snap=2.0)),
     s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
     certify(MOVE, LIMITS),

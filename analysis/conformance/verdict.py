@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
-from ...shaping.checks import finite, of_kind, positive
+from ...shaping.checks import finite, positive
 from ...shaping.derivatives import derivative_name, derivative_number
+from ...shaping.limits import of_one
 from .bands import RESOLVED, Band, extent, joint_band, upper_end_holds
 from .fit import fit_spline
 from .readings import FEWEST, checked_log, found_resolution, merged, parts
@@ -237,7 +238,7 @@ def conformance(
     >>> [peak.verdict for peak in report.peaks]
     ['kept', 'broken', 'cannot tell']
     """
-    of_kind("limits", limits, Limits, "Limits, such as Limits(velocity=2.0)")
+    of_one(limits)
     time, position = checked_log(times, positions)
     given = found_resolution(position) if resolution is None else positive("resolution", resolution)
     if not given and not np.ptp(position):

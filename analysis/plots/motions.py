@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ...shaping import FollowerResponse, Limits, Trajectory, binding_limits
 from ...shaping.checks import positive
 from ...shaping.derivatives import derivative_name
-from ...shaping.limits import checked_limits
+from ...shaping.limits import of_one
 from ...shaping.optimal.binding import BINDING_RTOL
 from .style import (
     BLUE,
@@ -76,7 +76,7 @@ def plot_trajectory(
         For a scale that is not positive.
     """
     if limits is not None:
-        checked_limits(limits)
+        of_one(limits)
     scale = positive("scale", scale)
     rows = trajectory.order + 1
     figure = panels_figure(figure, (8.0, 1.6 * rows + 0.6))

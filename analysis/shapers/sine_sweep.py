@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import CommandFollower, Limits
 from ...shaping.checks import whole
+from ...shaping.limits import of_one
 from ...shaping.real_numbers import shown
 from ...shaping.trajectory_checks import finite_array
 from ...shaping.transfers.problem import check_order
@@ -47,7 +48,7 @@ def checked_sweep(
             "as a jerk filter, has a frequency_response"
         )
     sizes, frequencies = _positive_pair(amplitude, omega)
-    limits, counts = shaper if isinstance(shaper, Limits) else shaper.limits, None
+    limits, counts = of_one(shaper) if isinstance(shaper, Limits) else shaper.limits, None
     if isinstance(shaper, CommandFollower):
         counts, frequencies = _whole_periods(shaper, frequencies, samples_per_period)
     elif limits.order > 1:

@@ -1,1 +1,1 @@
-"""Many rest-to-rest moves at once, on arrays."""
+"""Many moves and transfers at once, on arrays."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..checks import positive
-from ..limits import Limits, checked_limits
+from ..limits import Limits, of_one
 from ..pieces import extrema
 from ..trajectory import Trajectory, checked_trajectory
 
@@ -48,7 +48,7 @@ def binding_limits(
     >>> binding_limits(min_time_move(1.0, limits), limits)
     ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
     """
-    trajectory, limits = checked_trajectory(trajectory), checked_limits(limits)
+    trajectory, limits = checked_trajectory(trajectory), of_one(limits)
     rtol = positive("rtol", rtol)
     if rtol >= 1.0:
         raise ValueError(

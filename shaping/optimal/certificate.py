@@ -9,7 +9,7 @@ import numpy as np
 
 from ..checks import in_range, positive
 from ..derivatives import derivative_name
-from ..limits import Limits
+from ..limits import Limits, of_one
 from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
@@ -118,6 +118,7 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     rtol = positive("rtol", rtol)
     if not isinstance(trajectory, Trajectory) or not isinstance(limits, Limits):
         raise TypeError("expected certify(trajectory, limits) with a Trajectory and Limits")
+    limits = of_one(limits)
     _check(trajectory, limits)
     distance = float(trajectory.end_state[0] - trajectory.start_state[0])
     if distance < 0.0:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 from ... import core
 from ..checks import finite, range_error, state_numbers
 from ..derivatives import derivative_name
-from ..limits import Limits
+from ..limits import Limits, check_both_sides, of_one
 from ..real_numbers import shown
 from ..trajectory import Trajectory
 from .infeasible import check_end, inside, unreachable
@@ -92,20 +91,18 @@ class Problem:
 
 def check_order(limits: Limits) -> None:
     """Refuse limits that a transfer cannot be planned with."""
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(acceleration=1.0)")
+    check_orders(of_one(limits))
+
+
+def check_orders(limits: Limits) -> None:
+    """Refuse limits that transfers cannot be planned with, of one or of many."""
     n = limits.order
     if n not in (2, 3):
         raise ValueError(
             f"limits of order {n}: expected order 2 (acceleration) or 3 (jerk) for a motion from "
             "any state; min_time_move plans from rest to rest at other orders"
         )
-    low, high = limits.bounds(n)
-    if not (isfinite(low) and isfinite(high)):
-        raise ValueError(
-            f"{derivative_name(n)} is bounded in one direction only, ({low:g}, {high:g}): expected "
-            "both bounds of the highest derivative"
-        )
+    check_both_sides(limits)
 
 
 def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float, float]:

@@ -77,7 +77,8 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     one_of("mode", mode, ("start", "end", "both", "straight-line"))
     if type(transfers) is not list:
         if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
-            raise TypeError(f"transfers = {shown(transfers)}: expected a list with one entry per axis")
+            told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
+            raise TypeError(told)
         transfers = list(transfers)
     if mode == "both":
         together = _in_the_core(transfers)

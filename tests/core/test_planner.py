@@ -157,20 +157,22 @@ def test_values_of_many_motions_are_those_of_each(order):
     lengths, states = np.empty((100, 24)), np.empty((100, 24, order + 1))
     end_states = np.empty((100, order + 1))
     transfer_pieces(order, starts, ends, bounds, 24, lengths, states, end_states)
+    single = [transfer(*(part[i].tolist() for part in (starts, ends, bounds))) for i in range(100)]
+    durations = np.array([motion.duration for motion in single])
     times = np.linspace(-1.0, 12.0, 150)
     own = times + np.arange(100.0)[:, None]
     common, each = np.empty((2, 2, 100, 150))
-    evaluate_lanes(lengths, states, end_states, times, 150, 1, 2, common)
-    evaluate_lanes(lengths, states, end_states, own, 150, 1, 2, each)
+    evaluate_lanes(durations, lengths, states, end_states, times, 150, 1, 2, common)
+    evaluate_lanes(durations, lengths, states, end_states, own, 150, 1, 2, each)
     for i in range(100):
-        pieces = transfer(starts[i].tolist(), ends[i].tolist(), bounds[i].tolist()).pieces()
+        pieces = single[i].pieces()
         for k in (1, 2):
             np.testing.assert_array_equal(common[k - 1, i], pieces.at(times, k))
             np.testing.assert_array_equal(each[k - 1, i], pieces.at(own[i], k))
     with pytest.raises(ValueError, match="times must be finite"):
-        evaluate_lanes(lengths, states, end_states, times * inf, 150, 1, 2, common)
+        evaluate_lanes(durations, lengths, states, end_states, times * inf, 150, 1, 2, common)
     with pytest.raises(ValueError, match="argument 4 has 150 values: expected 14900"):
-        evaluate_lanes(lengths, states, end_states, times, 149, 1, 2, common)
+        evaluate_lanes(durations, lengths, states, end_states, times, 149, 1, 2, common)
 
 
 def test_one_start_end_and_bounds_stand_for_all():

@@ -9,7 +9,19 @@ import pytest
 from hypothesis import given
 from strategies import any_limits
 
-from jounce.shaping import Limits
+from jounce.shaping import (
+    CommandFollower,
+    Limits,
+    binding_limits,
+    certify,
+    min_time_move,
+    min_time_moves,
+    min_time_transfer,
+    min_time_transfers,
+    recursive_s_curve,
+    synchronize,
+    velocity_transfer,
+)
 
 
 def test_a_number_bounds_both_directions():
@@ -116,3 +128,129 @@ def test_repr_can_be_pasted(limits):
 
 def test_repr_shows_what_was_said():
     assert repr(Limits(velocity=2, jerk=(-1, 3))) == "Limits(velocity=2.0, jerk=(-1.0, 3.0))"
+
+
+# Of many problems
+
+
+def test_an_array_is_one_bound_for_each_problem():
+    limits = Limits(velocity=np.array([1.0, 2.0, 4.0]), jerk=30.0)
+    assert (limits.shape, limits.order, limits.symmetric) == ((3,), 3, True)
+    assert limits.upper[0].tolist() == [1.0, 2.0, 4.0]
+    assert limits.lower[0].tolist() == [-1.0, -2.0, -4.0]
+    assert (limits.lower[1:], limits.upper[1:]) == ((-inf, -30.0), (inf, 30.0))
+
+
+def test_two_columns_are_pairs_and_so_is_a_tuple_of_arrays():
+    pairs = np.array([[-1.0, 2.0], [-3.0, 4.0], [-5.0, 6.0]])
+    limits = Limits(acceleration=pairs)
+    assert limits == Limits(acceleration=(pairs[:, 0], pairs[:, 1]))
+    assert limits.lower[1].tolist() == [-1.0, -3.0, -5.0]
+    assert limits.upper[1].tolist() == [2.0, 4.0, 6.0]
+    assert not limits.symmetric
+    assert limits.mirror().upper[1].tolist() == [1.0, 3.0, 5.0]
+    two = Limits(np.array([1.0, 2.0]))  # an array of two is no pair
+    assert two.lower[0].tolist() == [-1.0, -2.0]
+
+
+def test_problems_broadcast():
+    v, a = np.ones((5, 1)), np.ones(7)
+    assert Limits(v, a, 1.0).shape == (5, 7)
+    assert Limits((-v, a)).shape == (5, 7)
+    assert Limits(np.ones((5, 1, 2)) * [-1.0, 1.0], a).shape == (5, 7)
+    assert Limits(1.0, np.array(2.0)).shape == ()
+    with pytest.raises(ValueError, match=r"^limits of shapes \(3,\), \(2,\) do not fit: expected"):
+        Limits(np.ones(3), np.ones(2))
+    with pytest.raises(ValueError, match=r"^velocity limit: arrays of shapes .* do not fit"):
+        Limits((-np.ones(3), np.ones(2)))
+
+
+def test_limits_of_many_are_read_only_copies_equal_by_their_numbers():
+    given = np.array([1.0, 2.0])
+    limits, kept = Limits(given, (-given, 3.0)), hash(Limits(given, (-given, 3.0)))
+    given += 1.0
+    assert hash(limits) == kept
+    for side in (limits.upper[0], limits.lower[0], limits.lower[1]):
+        assert side.tolist() in ([1.0, 2.0], [-1.0, -2.0])
+        with pytest.raises(ValueError, match="read-only"):
+            side[0] = 1.0
+    assert limits == Limits(given - 1.0, (1.0 - given, 3.0)) != Limits(given, (-given, 3.0))
+    assert limits != Limits(1.0, 3.0)
+    assert repr(Limits(given)) == "Limits(velocity=array([2., 3.]))"
+
+
+@pytest.mark.parametrize(
+    ("bound", "message"),
+    [
+        (np.array([1.0, -2.0]), r"^jerk limit -2.0 of problem 1: expected a positive number"),
+        (np.array([[1.0], [math.nan]]), r"^jerk limit nan of problem 1, 0: expected"),
+        (np.array([[1.0, 2.0]]), r"^jerk limit \(1.0, 2.0\) of problem 0: expected"),
+        ((np.array([-1.0, 2.0]), 3.0), r"^jerk limit \(2.0, 3.0\) of problem 1: expected"),
+    ],
+    ids=range(4),
+)
+def test_arrays_that_do_not_enclose_zero_are_refused_by_their_index(bound, message):
+    with pytest.raises(ValueError, match=message):
+        Limits(jerk=bound)
+
+
+@pytest.mark.parametrize("bound", [[1.0, 2.0, 3.0], [[-1.0, 1.0]], ([1.0], [2.0]), [], ["1", "2"]])
+def test_lists_are_pairs_of_numbers_and_nothing_else(bound):
+    with pytest.raises(TypeError, match=r"^jerk limit .* make a list of bounds an array"):
+        Limits(jerk=bound)
+
+
+MANY = Limits(np.array([1.0, 2.0]), 2.0, 20.0)
+ONE = Limits(1.0, 2.0, 20.0)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda limits: min_time_move(1.0, limits),
+        lambda limits: recursive_s_curve(1.0, limits),
+        lambda limits: min_time_transfer(0.0, 1.0, limits),
+        lambda limits: velocity_transfer(0.0, 1.0, limits),
+        lambda limits: synchronize([(0.0, 1.0, limits)]),
+        lambda limits: CommandFollower(limits, dt=0.1),
+        lambda limits: certify(min_time_move(1.0, ONE), limits),
+        lambda limits: binding_limits(min_time_move(1.0, ONE), limits),
+        lambda limits: min_time_move(1.0, ONE).violation(limits),
+    ],
+    ids=range(9),
+)
+def test_what_is_about_one_motion_refuses_arrays_with_a_remedy(call):
+    call(ONE)
+    with pytest.raises(
+        TypeError, match=r"limits of shape \(2,\): .*; min_time_moves and min_time_tr"
+    ):
+        call(MANY)
+
+
+ONE_SIDED = [
+    Limits.from_bounds([*[None] * (order - 1), pair])
+    for order in range(2, 7)
+    for pair in ((-inf, 3.0), (-3.0, inf))
+]
+
+
+@pytest.mark.parametrize("limits", ONE_SIDED, ids=repr)
+def test_a_highest_bound_on_one_side_is_refused_in_the_same_words(limits):
+    told = r"is bounded in one direction only, \((-inf, 3|-3, inf)\): expected both bounds of the h"
+    calls = [
+        lambda: min_time_move(1.0, limits),
+        lambda: min_time_move(0.0, limits),
+        lambda: min_time_move(-1.0, limits, method="closed-form"),
+        lambda: recursive_s_curve(1.0, limits),
+        lambda: min_time_moves([1.0, 2.0], limits),
+    ]
+    if limits.order < 4:
+        calls += [
+            lambda: min_time_transfer(0.0, 1.0, limits),
+            lambda: velocity_transfer(0.0, 1.0, limits),
+            lambda: min_time_transfers([0.0], [1.0], limits),
+            lambda: CommandFollower(limits, dt=0.1),
+        ]
+    for call in calls:
+        with pytest.raises(ValueError, match=told):
+            call()

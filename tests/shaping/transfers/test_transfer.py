@@ -298,7 +298,7 @@ def test_an_acceleration_that_is_next_to_nothing_still_starts_the_motion(acceler
     limits = Limits(1.0, 1.0, 1.0)
     for transfer in (
         min_time_transfer((0.0, 0.5, acceleration), (0.0, 0.5), limits),
-        min_time_transfers([0.0, 0.5, acceleration], [0.0, 0.5], limits).transfer(0),
+        min_time_transfers([0.0, 0.5, acceleration], [0.0, 0.5], limits)[0],
     ):
         assert transfer.start_state[:3].tolist() == [0.0, 0.5, acceleration]
         assert transfer.duration == pytest.approx(4.0, rel=1e-6)

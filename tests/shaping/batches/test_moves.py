@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import ruckig
 from hypothesis import given
-from move_batches import MoveProblem, move_lists, random_moves, together
+from move_batches import MoveProblem, many_limits, move_lists, random_moves, together
 from references import UNITS, reference_problems, thompson_order_2, thompson_order_3
 
-from jounce.shaping import Limits, min_time_move
-from jounce.shaping.batches.many_moves import min_time_moves
+from jounce.shaping import Limits, min_time_move, min_time_moves
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 ORDERS = pytest.mark.parametrize("order", range(1, 7))
 SAME = 1e-12  # relative difference of durations that the README promises
 LIMITS = Limits(2.0, 3.0, 8.0)
+FAST = np.array([1.0, 2.0, 4.0])
 
 
 def durations(problems):
@@ -67,7 +67,7 @@ def test_they_are_thompsons(order):
     distances, *bounds = 10.0 ** rng.uniform(-2.0, 2.0, (order + 1, 400))
     thompson = thompson_order_2 if order == 2 else thompson_order_3
     cases = [thompson(*numbers) for numbers in zip(distances, *bounds, strict=True)]
-    found = min_time_moves(distances, np.transpose(bounds)).duration
+    found = min_time_moves(distances, Limits(*bounds)).duration
     np.testing.assert_allclose(found, [case.duration for case in cases], rtol=SAME)
     assert len({case.case for case in cases}) == (2 if order == 2 else 4)
 
@@ -75,7 +75,9 @@ def test_they_are_thompsons(order):
 @pytest.mark.parametrize("order", range(4, 7))
 def test_durations_lie_between_proof_and_recursion(order):
     problems = [p for p in reference_problems() if p.order == order]
-    found = min_time_moves([p.distance for p in problems], [p.bounds for p in problems]).duration
+    found = min_time_moves(
+        [p.distance for p in problems], many_limits([p.bounds for p in problems])
+    ).duration
     for problem, duration in zip(problems, found, strict=True):
         assert problem.lower * (1.0 - 1e-9) <= duration <= problem.recursion * (1.0 + 1e-12)
 
@@ -146,8 +148,8 @@ def test_neighbours_do_not_matter(order, count):
     problems = random_moves((5, order), order, 61)
     bounds, which = np.array([p.bounds for p in problems]), np.arange(count) % 61
     distances = np.array([p.distance for p in problems])
-    found = min_time_moves(distances[which], bounds[which]).duration
-    few = min_time_moves(distances, bounds).duration[which]
+    found = min_time_moves(distances[which], many_limits(bounds[which])).duration
+    few = min_time_moves(distances, many_limits(bounds)).duration[which]
     np.testing.assert_allclose(found, few, rtol=4e-16)
 
 
@@ -162,12 +164,10 @@ def test_all_ways_to_give_limits_are_the_same():
         for r, row in zip([1.0, -2.0, 0.5], table, strict=True)
     ]
     for limits in (
-        table,
-        table.tolist(),
-        np.stack([-table, table], axis=-1),
-        {"velocity": v, "acceleration": a, "jerk": j},
-        {1: v, 3: j.tolist(), "acceleration": (-a, a)},
-        {"velocity": (-v, v), "acceleration": a, "jerk": j, "snap": inf, "pop": None},
+        Limits(velocity=v, acceleration=a, jerk=j),
+        Limits.from_bounds(table.T),
+        Limits(np.stack([-v, v], axis=-1), (-a, a), j),
+        Limits((-v, v), a, j, snap=inf, pop=np.full(3, inf)),
     ):
         found = min_time_moves([1.0, -2.0, 0.5], limits)
         assert found.order == 3
@@ -178,18 +178,18 @@ def test_arrays_broadcast():
     assert min_time_moves(1.0, LIMITS).duration.shape == (1,)
     assert min_time_moves([], LIMITS).duration.shape == (0,)
     assert min_time_moves([1.0, 2.0], LIMITS).duration.shape == (2,)
-    assert min_time_moves(1.0, {"velocity": [1.0, 2.0, 4.0]}).duration.tolist() == [1.0, 0.5, 0.25]
-    grid = min_time_moves([[1.0], [2.0]], {"velocity": [1.0, 2.0, 4.0]})
+    assert min_time_moves(1.0, Limits(FAST)).duration.tolist() == [1.0, 0.5, 0.25]
+    grid = min_time_moves([[1.0], [2.0]], Limits(FAST))
     assert grid.duration.tolist() == [[1.0, 0.5, 0.25], [2.0, 1.0, 0.5]]
-    assert min_time_moves(1.0, LIMITS, start=[3.0, 4.0]).starts.tolist() == [3.0, 4.0]
+    assert min_time_moves(1.0, LIMITS, start=[3.0, 4.0])(0.0).tolist() == [3.0, 4.0]
 
 
 def test_a_sweep_of_more_than_one_chunk_broadcasts():
     v, j = np.geomspace(0.1, 10.0, 130)[:, None], np.geomspace(1.0, 1e3, 140)
-    found = min_time_moves(3.0, {"velocity": v, "jerk": j}).duration
+    found = min_time_moves(3.0, Limits(velocity=v, jerk=j)).duration
     assert found.shape == (130, 140)
     flat = np.broadcast_arrays(v, j)
-    bounds = {"velocity": flat[0].ravel(), "jerk": flat[1].ravel()}
+    bounds = Limits(velocity=flat[0].ravel(), jerk=flat[1].ravel())
     np.testing.assert_allclose(found.ravel(), min_time_moves(3.0, bounds).duration, rtol=1e-15)
     assert found[77, 3] == pytest.approx(min_time_move(3.0, Limits(v[77, 0], jerk=j[3])).duration)
 
@@ -206,18 +206,16 @@ def test_zero_distances_are_points(order):
 
 def test_the_given_arrays_are_copied():
     distances, bounds, start = np.ones(2), np.ones(2), np.zeros(2)
-    batch = min_time_moves(distances, {"velocity": bounds}, start=start)
+    batch = min_time_moves(distances, Limits(velocity=bounds), start=start)
     for array in (distances, bounds, start):
         array += 1.0
-    assert (batch.distances.tolist(), batch.starts.tolist()) == ([1.0, 1.0], [0.0, 0.0])
+    assert batch.end_state[:, 0].tolist() == [1.0, 1.0]
     assert batch.peak("velocity").tolist() == [1.0, 1.0]
 
 
 def test_numbers_in_one_direction_are_enough_where_they_are_needed():
     assert min_time_moves([1.0, 2.0], Limits(velocity=(-inf, 4.0))).duration.tolist() == [0.25, 0.5]
-    found = min_time_moves([1.0, -1.0], Limits(1.0, 1.0, 1.0, (-inf, 1.0)))
-    assert found.duration[0] == pytest.approx(found.duration[1], rel=1e-15)
-    assert min_time_moves([0.0, 4.0], {"velocity": [inf, 2.0]}).duration.tolist() == [0.0, 2.0]
+    assert min_time_moves([0.0, 4.0], Limits(np.array([inf, 2.0]))).duration.tolist() == [0.0, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -230,12 +228,19 @@ def test_numbers_in_one_direction_are_enough_where_they_are_needed():
         ),
         ({"start": [0.0, -inf]}, r"^start must be finite: start\[1\] = -inf"),
         ({"start": [0.0, 1.0, 2.0]}, r"^distances of shape \(2,\), start of shape \(3,\) and"),
-        ({"limits": np.ones((3, 2))}, r"limits of shape \(3,\) do not fit: expected shapes that"),
-        ({"limits": {"velocity": np.ones(2), "jerk": np.ones(4)}}, r"shape \(2,\), \(4,\) do not"),
+        (
+            {"limits": Limits(np.ones(3))},
+            r"limits of shape \(3,\) do not fit: expected shapes that",
+        ),
         ({"limits": Limits.from_bounds([1.0] * 15)}, "^limits of order 15: expected at most 14"),
-        ({"limits": {"jerk": [1.0, inf]}}, r"^jerk of move 1 has no limit .* expected a finite"),
-        ({"limits": Limits(velocity=(-1.0, inf))}, r"^velocity of move 0 has no limit"),
-        ({"limits": Limits(1.0, (-1.0, inf))}, r"^acceleration of move 0 has no limit"),
+        (
+            {"limits": Limits(jerk=np.array([1.0, inf]))},
+            r"^jerk of problem 1 is not bounded, \(-inf, inf\): expected both bounds",
+        ),
+        (
+            {"limits": Limits(velocity=(-1.0, inf))},
+            r"^velocity of problem 0 is bounded in one direction only, \(-1, inf\): expected",
+        ),
         ({"distances": [1.0, 1e308], "limits": Limits(1e-9)}, r"state of move 1 leaves the range"),
         ({"distances": [[1.0, 1e-308]], "limits": Limits(pop=1e300)}, r"of move 0, 1 leaves the"),
     ],

@@ -1,4 +1,4 @@
-"""MoveBatch: pieces, moves as trajectories, values on a common grid, peaks."""
+"""MotionBatch: pieces, motions one by one, values at common and own times, peaks."""
 
 import re
 
@@ -8,10 +8,8 @@ from hypothesis import given
 from move_batches import as_trajectory, move_lists, random_moves, together
 from references import BOUND, CONTINUITY, END_POSITION, joint_gaps
 
-from jounce.shaping import Limits, Trajectory
-from jounce.shaping.batches import move_batch as module
-from jounce.shaping.batches.many_moves import min_time_moves
-from jounce.shaping.batches.move_batch import MoveBatch
+from jounce.shaping import Limits, MotionBatch, Trajectory, min_time_moves
+from jounce.shaping import batch as module
 
 ORDERS = pytest.mark.parametrize("order", range(1, 7))
 LIMITS = Limits(2.0, 3.0, 8.0)
@@ -90,7 +88,7 @@ def test_moves_are_counted_as_in_numpy():
     with pytest.raises(IndexError):
         batch[3]
     assert len(batch) == 3
-    assert repr(batch) == "MoveBatch(shape=(3,), order=3)"
+    assert repr(batch) == "MotionBatch(shape=(3,), order=3)"
 
 
 @pytest.mark.parametrize("order", [3, 5])
@@ -99,19 +97,20 @@ def test_an_index_makes_a_smaller_batch(order, limits):
     problems = random_moves((2, order), order, 7)
     batch = together(problems)
     if limits == "one":
-        batch = min_time_moves(batch.distances, problems[0].limits, start=batch.starts)
+        distances, starts = ([getattr(p, name) for p in problems] for name in ("distance", "start"))
+        batch = min_time_moves(distances, problems[0].limits, start=starts)
     t = np.linspace(0.0, 2.0, 11)
     for index in (slice(2, 5), [4, 0], np.arange(7) % 2 == 0, slice(None, None, -3), slice(0, 0)):
         some = batch[index]
-        assert isinstance(some, MoveBatch)
+        assert isinstance(some, MotionBatch)
         np.testing.assert_array_equal(some.duration, batch.duration[index])
         np.testing.assert_allclose(some(t), batch(t)[index], rtol=1e-14, atol=1e-14)
         np.testing.assert_allclose(some.peak(order), batch.peak(order)[index], rtol=1e-14)
 
 
 def test_grids_of_moves():
-    v, j = [[1.0], [2.0], [3.0]], [5.0, 50.0]
-    grid = min_time_moves(-4.0, {"velocity": v, "jerk": j}, start=1.0)
+    v, j = np.array([[1.0], [2.0], [3.0]]), np.array([5.0, 50.0])
+    grid = min_time_moves(-4.0, Limits(velocity=v, jerk=j), start=1.0)
     assert (grid.shape, grid.order, len(grid)) == ((3, 2), 3, 3)
     alone = grid[2, 1]
     assert isinstance(alone, Trajectory)
@@ -124,12 +123,12 @@ def test_grids_of_moves():
 
 
 def test_the_arrays_are_read_only():
-    batch = min_time_moves([1.0, 2.0], [[1.0, 2.0], [2.0, 2.0]])
-    for array in (batch.duration, batch.distances, batch.starts, batch.limits.rising[0]):
+    batch = min_time_moves([1.0, 2.0], Limits(np.array([1.0, 2.0]), 2.0))
+    for array in (batch.duration, batch.inside_after, batch.limits.upper[0], batch.limits.lower[0]):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
     with pytest.raises(AttributeError):
-        batch.duration = batch.starts
+        batch.duration = batch.inside_after
 
 
 # Values
@@ -157,13 +156,13 @@ def test_values_at_rest(problems):
     batch = together(problems)
     before, after = -1e-9, batch.duration.max() + 1e-9
     values = batch.evaluate([before, after])
-    np.testing.assert_array_equal(values[0, :, 0], batch.starts)
-    np.testing.assert_array_equal(values[0, :, 1], batch.starts + batch.distances)
+    ends = [p.start + p.distance for p in problems]
+    np.testing.assert_array_equal(values[0, :, 0], [p.start for p in problems])
+    np.testing.assert_array_equal(values[0, :, 1], ends)
     np.testing.assert_array_equal(values[1:], 0.0)
-    for i, duration in enumerate(batch.duration):
-        end = batch.evaluate(duration)[:, i]
-        assert end[0] == batch.starts[i] + batch.distances[i]
-        np.testing.assert_array_equal(end[1:], 0.0)
+    at_end = batch.evaluate(batch.duration, each=True)
+    np.testing.assert_array_equal(at_end[0], ends)
+    np.testing.assert_array_equal(at_end[1:], 0.0)
 
 
 def test_times_in_any_order_and_shape():
@@ -225,7 +224,7 @@ def test_peaks_are_those_of_the_moves(order, decades):
     ("call", "message"),
     [
         (lambda batch, t: batch(t), "makes 1e+11 values: expected at most 1e+09; use fewer times"),
-        (lambda batch, t: batch(t, "pop"), "100000 times of 1000000 moves makes 1e+11 values"),
+        (lambda batch, t: batch(t, "pop"), "100000 times of 1000000 motions makes 1e+11 values"),
         (lambda batch, t: batch.evaluate(t), "makes 4e+11 values: expected at most 1e+09"),
         (lambda batch, t: batch.evaluate(t, "velocity"), "makes 2e+11 values"),
         (lambda batch, t: batch.evaluate(t[:251]), "makes 1e+09 values: expected at most 1e+09"),
@@ -246,7 +245,9 @@ def test_more_pieces_than_fit_are_refused(monkeypatch):
     monkeypatch.setattr(module, "MAX_SAMPLES", numbers)
     assert batch.pieces().breaks.shape == (50, 8)
     monkeypatch.setattr(module, "MAX_SAMPLES", numbers - 1)
-    with pytest.raises(ValueError, match=r"^7 pieces a move makes .*; use fewer moves at a time"):
+    with pytest.raises(
+        ValueError, match=r"^7 pieces a motion makes .*; use fewer motions at a time"
+    ):
         batch.pieces()
 
 

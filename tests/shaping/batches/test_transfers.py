@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from batches import arrays, edge_transfers, one_by_one, solved
 from hypothesis import given
+from move_batches import many_limits
 from references import (
     assert_sound_transfer,
     published_transfers,
@@ -15,12 +16,18 @@ from references import (
 )
 from strategies import TransferProblem, transfer_problems
 
-from jounce.shaping import InfeasibleError, Limits, Transfer, min_time_transfers
+from jounce.shaping import (
+    InfeasibleError,
+    Limits,
+    Transfer,
+    min_time_transfer,
+    min_time_transfers,
+)
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 COUNT = 100_000 if SLOW else 3_000
 ORDERS = pytest.mark.parametrize("order", [2, 3])
-FIELDS = ("duration", "inside_after", "piece_durations", "piece_states")
+FIELDS = ("duration", "inside_after")
 LIMITS = {2: Limits(2.0, 1.0), 3: Limits((-1.0, 2.0), 2.0, (-8.0, 4.0))}
 
 
@@ -28,12 +35,10 @@ def assert_same(one, other, text=""):
     """Assert that two batches have the same transfers to the last bit."""
     for name in FIELDS:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), f"{text}: {name}")
-
-
-def part(batch, some):
-    """Return some transfers of a batch."""
-    fields = ("duration", "inside_after", "starts", "ends", "bounds", "counts")
-    return type(batch)(*(getattr(batch, name)[some] for name in fields))
+    for name in ("durations", "states"):
+        found, expected = getattr(one.pieces(), name), getattr(other.pieces(), name)
+        most = min(found.shape[1], expected.shape[1])
+        np.testing.assert_array_equal(found[:, :most], expected[:, :most], f"{text}: {name}")
 
 
 # Against others
@@ -60,10 +65,10 @@ def test_one_by_one_they_take_as_long(order, seed):
 @given(problem=transfer_problems())
 def test_a_problem_alone(problem):
     bounds = [pair or (-inf, inf) for pair in problem.bounds]
-    batch = min_time_transfers(problem.start, problem.end, [bounds])
+    batch = min_time_transfers(problem.start, problem.end, many_limits([bounds]))
     expected = problem.solve()
     assert batch.duration[0] == pytest.approx(expected.duration, rel=1e-12), problem
-    assert_sound_transfer(problem, batch.transfer(0))
+    assert_sound_transfer(problem, batch[0])
 
 
 @pytest.mark.parametrize("case", [1, 3, 5, 7, 9, 11, 13, 17, 41])
@@ -81,7 +86,7 @@ def test_from_rest_to_rest_they_are_thompsons(order):
     thompson = thompson_order_2 if order == 2 else thompson_order_3
     given = list(zip(distances.tolist(), *(bound.tolist() for bound in bounds), strict=True))
     cases = [thompson(*numbers) for numbers in given]
-    batch = min_time_transfers([0.0], distances[:, None], np.transpose(bounds))
+    batch = min_time_transfers([0.0], distances[:, None], Limits(*bounds))
     expected = [case.duration for case in cases]
     np.testing.assert_allclose(batch.duration, expected, rtol=1e-12, err_msg=repr(given))
     assert len({case.case for case in cases}) == (2 if order == 2 else 4)
@@ -97,7 +102,7 @@ def test_each_is_a_sound_trajectory(order):
     batch = solved(problems)
     assert len(batch) == len(problems)
     for i in np.flatnonzero(batch.feasible).tolist():
-        transfer = batch.transfer(i)
+        transfer = batch[i]
         assert isinstance(transfer, Transfer)
         assert_sound_transfer(problems[i], transfer, transfer.inside_after)
         assert transfer.inside_after == batch.inside_after[i]
@@ -117,23 +122,23 @@ def test_one_that_cannot_be_reached_raises_as_it_does_alone(order):
         with pytest.raises(InfeasibleError) as alone:
             problems[i].solve()
         with pytest.raises(InfeasibleError) as caught:
-            batch.transfer(i)
+            batch[i]
         assert str(caught.value) == str(alone.value), problems[i]
         assert caught.value.nearest == alone.value.nearest
 
 
 def test_transfers_are_counted_from_either_end():
     batch = min_time_transfers([0.0], [[1.0], [2.0], [3.0]], LIMITS[2])
-    assert batch.transfer(-1).end_state[0] == 3.0
-    assert batch.transfer(-3).end_state[0] == 1.0
+    assert batch[-1].end_state[0] == 3.0
+    assert batch[-3].end_state[0] == 1.0
     with pytest.raises(IndexError):
-        batch.transfer(3)
+        batch[3]
 
 
 def test_a_transfer_to_where_it_stands_is_a_point():
     batch = min_time_transfers([[1.0, 0.5, 0.0]], [[1.0, 0.5, 0.0]], LIMITS[3])
     assert batch.duration.tolist() == [0.0]
-    assert batch.transfer(0).end_state.tolist() == [1.0, 0.5, 0.0, 0.0]
+    assert batch[0].end_state.tolist() == [1.0, 0.5, 0.0, 0.0]
 
 
 # How many, and in which order
@@ -144,9 +149,11 @@ def test_a_transfer_to_where_it_stands_is_a_point():
 def test_the_number_of_problems_does_not_matter(order, count):
     problems = edge_transfers((12, order), order, 97)
     few, which = solved(problems), np.arange(count) % 97
-    batch = min_time_transfers(*(values[which] for values in arrays(problems)))
+    starts, ends, limits = arrays(problems)
+    limits = limits.each(lambda bounds: bounds[which])
+    batch = min_time_transfers(starts[which], ends[which], limits)
     assert len(batch) == len(batch.feasible) == count
-    assert_same(batch, part(few, which), f"{count} problems")
+    assert_same(batch, few[which], f"{count} problems")
 
 
 @ORDERS
@@ -154,16 +161,16 @@ def test_neighbours_do_not_matter(order):
     problems = edge_transfers((13, order), order, 300)
     batch = solved(problems)
     order_of = np.random.default_rng(1).permutation(300)
-    assert_same(solved([problems[i] for i in order_of]), part(batch, order_of))
+    assert_same(solved([problems[i] for i in order_of]), batch[order_of])
     for i in range(0, 300, 10):
-        assert_same(solved(problems[i : i + 1]), part(batch, slice(i, i + 1)), problems[i])
+        assert_same(solved(problems[i : i + 1]), batch[i : i + 1], problems[i])
 
 
 @pytest.mark.parametrize("state", [np.empty((0, 2)), np.empty((0, 1)), np.zeros((0, 0))])
 def test_no_problems(state):
     batch = min_time_transfers(state, [1.0], LIMITS[2])
-    assert (len(batch), batch.duration.shape, batch.piece_states.shape[0]) == (0, (0,), 0)
-    assert len(min_time_transfers(0.0, 1.0, np.empty((0, 2)))) == 0
+    assert (len(batch), batch.duration.shape, len(batch.pieces().states)) == (0, (0,), 0)
+    assert len(min_time_transfers(0.0, 1.0, Limits(acceleration=np.empty(0)))) == 0
 
 
 # Units
@@ -184,10 +191,11 @@ def test_units_of_powers_of_two_do_not_matter_to_the_last_bit(order, distance, t
     batch = solved(problems)
     other = solved([p.in_units(2.0**distance, 2.0**time) for p in problems])
     np.testing.assert_array_equal(other.duration, batch.duration * 2.0**time)
-    np.testing.assert_array_equal(other.piece_durations, batch.piece_durations * 2.0**time)
+    lengths, states = batch.pieces()[1:]
+    np.testing.assert_array_equal(other.pieces().durations, lengths * 2.0**time)
     units = 2.0 ** (distance - time * np.arange(order + 1.0))
-    some = batch.feasible[:, None] & (batch.piece_durations > 0.0)
-    np.testing.assert_array_equal(other.piece_states[some], (batch.piece_states * units)[some])
+    some = lengths > 0.0
+    np.testing.assert_array_equal(other.pieces().states[some], (states * units)[some])
 
 
 @ORDERS
@@ -213,38 +221,69 @@ def test_one_start_one_end_or_one_limits_stand_for_all():
     assert durations(0.0, 1.0, LIMITS[2]) == [2.0]
     assert durations([0.0], [[1.0], [4.0]], LIMITS[2]) == [2.0, 4.0]
     assert durations([[0.0, 0.0], [3.0, 0.0]], [4.0, 0.0], LIMITS[2]) == [4.0, 2.0]
-    assert durations([0.0], [4.0], [[2.0, 1.0], [9.0, 4.0], [1.0, 1.0]]) == [4.0, 2.0, 5.0]
-    assert durations([[0.0]], [[4.0]], [[[-9.0, 2.0], [-1.0, 1.0]]] * 2) == [4.0, 4.0]
-    assert durations([[0.0], [2.0]], [[4.0], [3.0]], [[2.0, 1.0], [inf, 4.0]]) == [4.0, 1.0]
+    each = Limits(np.array([2.0, 9.0, 1.0]), np.array([1.0, 4.0, 1.0]))
+    assert durations([0.0], [4.0], each) == [4.0, 2.0, 5.0]
+    assert durations([[0.0]], [[4.0]], Limits(np.array([[-9.0, 2.0]] * 2), 1.0)) == [4.0, 4.0]
+    some = Limits(np.array([2.0, inf]), np.array([1.0, 4.0]))
+    assert durations([[0.0], [2.0]], [[4.0], [3.0]], some) == [4.0, 1.0]
+
+
+def test_problems_broadcast_in_any_number_of_dimensions():
+    starts, ends = np.array([[[0.0, 0.5]], [[1.0, 0.0]]]), np.array([3.0, 0.25])
+    limits = Limits(np.array([2.0, 3.0, inf]), np.array([1.0, 2.0, 3.0]))
+    grid = min_time_transfers(starts, ends, limits)
+    assert (grid.shape, len(grid), grid.pieces().states.shape[:2]) == ((2, 3), 2, (2, 3))
+    for i in range(2):
+        for k, bounds in enumerate([(2.0, 1.0), (3.0, 2.0), (inf, 3.0)]):
+            alone = min_time_transfer(starts[i, 0].tolist(), ends.tolist(), Limits(*bounds))
+            assert grid[i, k].duration == alone.duration == grid.duration[i, k]
+            assert grid[i, k].limits == Limits(*bounds)
+            np.testing.assert_array_equal(grid([0.1, 9.0])[i, k], alone([0.1, 9.0]))
+    np.testing.assert_array_equal(grid[:, 1].duration, grid.duration[:, 1])
+    np.testing.assert_array_equal(grid[1](0.3), grid(0.3)[1])
 
 
 def test_magnitudes_pairs_and_limits_are_the_same():
-    numbers = np.array([[2.0, 1.0, 4.0], [inf, 3.0, 8.0]])
+    numbers = np.array([[2.0, inf], [1.0, 3.0], [4.0, 8.0]])
     starts, ends = [[0.0, 0.5, 0.1]], [[3.0, -0.5]]
-    one = min_time_transfers(starts, ends, numbers)
-    assert_same(one, min_time_transfers(starts, ends, np.stack([-numbers, numbers], axis=-1)))
+    one = min_time_transfers(starts, ends, Limits(*numbers))
+    pairs = np.stack([-numbers, numbers], axis=-1)
+    assert_same(one, min_time_transfers(starts, ends, Limits(*pairs)))
     for i, bounds in enumerate([(2.0, 1.0, 4.0), (None, 3.0, 8.0)]):
         limits = Limits.from_bounds(bounds)
-        assert_same(part(one, slice(i, i + 1)), min_time_transfers(starts, ends, limits))
-        assert one.transfer(i).limits == limits
+        assert_same(one[i : i + 1], min_time_transfers(starts, ends, limits))
+        assert one[i].limits == limits
 
 
 def test_what_is_left_out_of_a_state_is_zero():
     batch = min_time_transfers([[0.0], [1.0]], [[2.0, 0.5]], LIMITS[3])
     full = min_time_transfers([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[2.0, 0.5, 0.0]], LIMITS[3])
     assert_same(batch, full)
-    assert batch.starts.shape == batch.ends.shape == (2, 3)
-    assert batch.bounds[1].tolist() == [[-1.0, 2.0], [-2.0, 2.0], [-8.0, 4.0]]
+    assert batch.end_state.tolist() == [[2.0, 0.5, 0.0, 0.0]] * 2
+    assert batch.start_state[:, :3].tolist() == [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+
+
+def test_where_there_is_no_transfer_there_is_no_number():
+    batch = min_time_transfers([0.0], [[1.0, -1.0, 1.0], [1.0, 0.0, 0.0]], Limits(1.0, 1.0, 1.0))
+    assert batch.feasible.tolist() == [False, True]
+    assert repr(batch) == "MotionBatch(shape=(2,), order=3, feasible=1 of 2)"
+    breaks, lengths, states = batch.pieces()
+    for values in (breaks, states, batch.evaluate([-1.0, 0.5, 99.0])[0], batch.end_state):
+        assert np.isnan(values[0]).all()
+        assert np.isfinite(values[1]).all()
+    assert lengths[0].tolist() == [0.0] * lengths.shape[1]
+    assert np.isnan(batch.peak("velocity")).tolist() == [True, False]
+    assert batch.sample(0.1)[0][-1] == batch.duration[1]
 
 
 def test_the_given_arrays_are_copied():
-    starts, ends, bounds = np.zeros((1, 2)), np.ones((1, 2)) * [1.0, 0.0], np.ones((1, 2))
-    batch = min_time_transfers(starts, ends, bounds)
-    starts += 1.0
-    ends += 1.0
-    bounds += 1.0
-    assert (batch.starts[0].tolist(), batch.ends[0].tolist()) == ([0.0, 0.0], [1.0, 0.0])
-    assert batch.bounds[0].tolist() == [[-1.0, 1.0], [-1.0, 1.0]]
+    starts, ends, bounds = np.zeros((1, 2)), np.ones((1, 2)) * [1.0, 0.0], np.ones(1)
+    batch = min_time_transfers(starts, ends, Limits(bounds, bounds))
+    before = batch(0.7)
+    for array in (starts, ends, bounds):
+        array += 1.0
+    np.testing.assert_array_equal(batch(0.7), before)
+    assert batch[0].limits == Limits(1.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -253,28 +292,33 @@ def test_the_given_arrays_are_copied():
         ({"starts": [nan]}, "^starts must be finite"),
         ({"ends": [[1.0], [inf]]}, "^ends must be finite"),
         ({"starts": np.zeros((2, 3))}, r"^starts of shape \(2, 3\): expected \(N, 2\) or \(2,\)"),
-        ({"ends": np.zeros((2, 2, 2))}, r"^ends of shape \(2, 2, 2\): expected \(N, 2\)"),
         (
             {"starts": np.zeros((2, 2)), "ends": np.zeros((3, 2))},
             r"^starts, ends and limits of \(2,\), \(3,\) and \(\) problems do not fit",
         ),
-        ({"starts": np.zeros((2, 2)), "limits": np.ones((3, 2))}, "do not fit: expected the same"),
-        ({"limits": [[1.0]]}, r"^limits of shape \(1, 1, 2\): expected Limits of order 2 or 3"),
-        ({"limits": np.ones((5, 4))}, r"^limits of shape \(5, 4, 2\)"),
-        ({"limits": np.ones((5, 2, 3))}, r"^limits of shape \(5, 2, 3\)"),
+        (
+            {"starts": np.zeros((2, 2)), "limits": Limits(np.ones(3), 1.0)},
+            "do not fit: expected the same",
+        ),
         ({"limits": Limits(1.0)}, "^limits of order 1: expected order 2"),
+        ({"limits": Limits(np.ones(2))}, "^limits of order 1: expected order 2"),
         ({"limits": Limits(snap=1.0)}, "^limits of order 4"),
         ({"limits": Limits(1.0, (-1.0, inf))}, "^acceleration is bounded in one direction only"),
-        ({"limits": [[1.0, nan]]}, r"^acceleration limit \[nan, nan\] of problem 0"),
-        ({"limits": [[1.0, 1.0], [-1.0, 1.0]]}, r"^velocity limit \[1.0, -1.0\] of problem 1"),
-        ({"limits": [[1.0, 0.0]]}, r"^acceleration limit \[-0.0, 0.0\] of problem 0: expected low"),
-        ({"limits": [[1.0, inf]]}, r"^acceleration limit \[-inf, inf\] of problem 0: .* finite"),
-        ({"limits": [[[-1, 1], [-1, inf]]]}, r"^acceleration limit \[-1.0, inf\] of problem 0"),
-        ({"limits": [[[1, 2], [-1, 1]]]}, r"^velocity limit \[1.0, 2.0\] of problem 0: expected"),
-        ({"limits": [[1.0, 1.0, -2.0]]}, r"^jerk limit \[2.0, -2.0\] of problem 0"),
+        (
+            {"limits": Limits(1.0, np.array([[-1.0, 1.0], [-1.0, inf]]))},
+            r"^acceleration of problem 1 is bounded in one direction only, \(-1, inf\): expected",
+        ),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(changes, message):
     given = {"starts": [0.0], "ends": [1.0], "limits": LIMITS[2], **changes}
     with pytest.raises(ValueError, match=message):
         min_time_transfers(*given.values())
+
+
+@pytest.mark.parametrize("limits", [{"jerk": 1.0}, np.ones((1, 2)), [[1.0, 1.0]], None, "fast"])
+def test_limits_of_another_kind_are_refused_as_everywhere(limits):
+    message = r"^limits = .*: expected Limits, such as Limits\(acceleration=1.0\)$"
+    for call in (min_time_transfers, min_time_transfer):
+        with pytest.raises(TypeError, match=message):
+            call([0.0], [1.0], limits)

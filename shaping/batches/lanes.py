@@ -1,0 +1,66 @@
+"""Problems of a batch counted in C order: some of them, their limits, and threads over all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from os import cpu_count
+from typing import Any
+
+import numpy as np
+
+from ..limits import Limits
+from ..pieces import FloatArray
+
+AT_ONCE = 8192  # problems whose arrays stay in the processor's cache, worth a thread of their own
+
+Shape = tuple[int, ...]
+
+
+def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE) -> None:
+    """Do work on parts of `count` problems, on all processors where there is more than one part."""
+    parts = [slice(i, min(i + at_once, count)) for i in range(0, count, at_once)]
+    if len(parts) < 2:
+        for part in parts:
+            work(part)
+        return
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        list(pool.map(work, parts))
+
+
+def lanes(values: np.ndarray[Any, Any], shape: Shape, some: slice) -> Any:
+    """Return some of the values broadcast to a shape, counted in C order; a number stays one."""
+    if not any(values.strides):
+        return np.asarray(values[(0,) * values.ndim])
+    if values.shape == shape and values.flags.c_contiguous:
+        return values.reshape(-1)[some]
+    return np.broadcast_to(values, shape).flat[some]
+
+
+def sides(limits: Limits, shape: Shape, some: slice) -> list[tuple[FloatArray, FloatArray]]:
+    """Return lower and upper bounds of some problems by derivative; numbers have no dimension."""
+    pairs = zip(limits.lower, limits.upper, strict=True)
+    low_high = [(np.asarray(low), np.asarray(high)) for low, high in pairs]
+    return [(lanes(low, shape, some), lanes(high, shape, some)) for low, high in low_high]
+
+
+def table(limits: Limits, shape: Shape, some: slice) -> FloatArray:
+    """Return the bounds of some problems, (K, n, 2), or (1, n, 2) where all have the same."""
+    if limits.shape == ():
+        return np.array(limits.flat).reshape(1, -1, 2)
+    count = len(range(*some.indices(int(np.prod(shape)))))
+    bounds = np.empty((count, limits.order, 2))
+    for k, pair in enumerate(sides(limits, shape, some)):
+        for side, values in enumerate(pair):
+            bounds[:, k, side] = values
+    return bounds
+
+
+def limits_of(limits: Limits, shape: Shape, index: Any) -> Limits:
+    """Return the limits of the problems that an index selects in a batch of this shape."""
+    return limits.each(lambda side: np.broadcast_to(side, shape)[index])
+
+
+def index_text(problem: int, shape: Shape) -> str:
+    """Return the index of a problem counted in C order."""
+    return ", ".join(str(int(i)) for i in np.unravel_index(problem, shape))

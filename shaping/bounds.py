@@ -1,0 +1,85 @@
+"""What a bound may be: a number, a pair, or an array of either for many problems."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .derivatives import derivative_name
+from .pieces import FloatArray
+from .real_numbers import real_array, shown
+
+Side = float | FloatArray
+"""A lower or an upper bound: of one problem, or of many."""
+
+Bound = float | tuple[ArrayLike, ArrayLike] | list[float] | NDArray[np.floating]
+"""A positive number (bound on the magnitude), a pair lower < 0 < upper, or an array of either."""
+
+_EXPECTED = (
+    "expected a positive number or a pair, a tuple or list (lower, upper) with lower < 0 < upper, "
+    "or for many problems an array (m,) of positive numbers or (m, 2) of pairs"
+)
+
+
+def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
+    """Return the bound on derivative k as (lower, upper), checked; arrays are read-only copies.
+
+    The lower one is None where it is that of the upper, with the other sign.
+
+    Raises
+    ------
+    ValueError
+        For numbers that do not enclose zero, named by the index of the problem.
+    TypeError
+        For anything else than numbers, pairs or arrays.
+    """
+    if bound is None:
+        return None, inf
+    pair = isinstance(bound, tuple | list)
+    try:
+        if not isinstance(bound, tuple | list):
+            low, high = _sides_of_array(real_array("bound", bound))
+        elif len(bound) == 2 and not any(isinstance(side, tuple | list) for side in bound):
+            low, high = (np.array(real_array("bound", side)) for side in bound)
+        else:
+            raise TypeError
+    except TypeError:
+        remedy = "; make a list of bounds an array, as numpy.array does" if pair else ""
+        raise TypeError(f"{derivative_name(k)} limit {shown(bound)}: {_EXPECTED}{remedy}") from None
+    _check_around_zero(low, high, k)
+    return None if low is None else _side(low), _side(high)
+
+
+def _sides_of_array(bounds: FloatArray) -> tuple[FloatArray | None, FloatArray]:
+    if bounds.ndim > 1 and bounds.shape[-1] == 2:
+        return bounds[..., 0].copy(), bounds[..., 1].copy()
+    return None, bounds.copy()
+
+
+def _side(values: FloatArray) -> Side:
+    if not values.ndim:
+        return float(values)
+    values.flags.writeable = False
+    return values
+
+
+def _check_around_zero(low: FloatArray | None, high: FloatArray, k: int) -> None:
+    name = derivative_name(k)
+    try:
+        right = np.asarray(high > 0.0)
+        right = right if low is None else right & (low < 0.0)
+    except ValueError:
+        raise ValueError(
+            f"{name} limit: arrays of shapes {getattr(low, 'shape', ())} and {high.shape} "
+            "do not fit: expected shapes that broadcast"
+        ) from None
+    if right.all():
+        return
+    problem = tuple(np.argwhere(~right)[0].tolist())
+    below = -high if low is None else low
+    lower, upper = (float(np.broadcast_to(side, right.shape)[problem]) for side in (below, high))
+    told = shown(upper if lower == -upper or upper != upper else (lower, upper))
+    where = f" of problem {', '.join(map(str, problem))}" if problem else ""
+    raise ValueError(f"{name} limit {told}{where}: {_EXPECTED}; leave it out where there is none")
