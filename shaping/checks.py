@@ -73,7 +73,7 @@ def state_numbers(name: str, given: Any) -> list[Any]:
 
 
 def entries(name: str, given: Iterable[Any]) -> list[Any]:
-    """Return what a list, an iterator or an array of real numbers holds, in order.
+    """Return what a list, an iterator or an array of real numbers holds, in order; rows are pairs or arrays.
 
     Raises
     ------
@@ -82,8 +82,9 @@ def entries(name: str, given: Iterable[Any]) -> list[Any]:
     """
     if isinstance(given, list | tuple | Iterator):
         return list(given)
-    held: list[Any] = np.atleast_1d(real_array(name, given)).tolist()
-    return held
+    array = np.atleast_1d(real_array(name, given))
+    pairs_or_numbers = array.ndim == 1 or array.shape[1:] == (2,)
+    return array.tolist() if pairs_or_numbers else list(array)
 
 
 def in_range(plan: Callable[[], _Result]) -> _Result:

@@ -238,9 +238,7 @@ def conformance(
     >>> [peak.verdict for peak in report.peaks]
     ['kept', 'broken', 'cannot tell']
     """
-    if not isinstance(limits, Limits):
-        raise TypeError(f"limits = {limits!r}: expected Limits, such as Limits(velocity=2.0)")
-    of_one(limits)
+    of_one(of_kind("limits", limits, Limits, "Limits, such as Limits(velocity=2.0)"))
     time, position = checked_log(times, positions)
     given = found_resolution(position) if resolution is None else positive("resolution", resolution)
     if not given and not np.ptp(position):
