@@ -15,6 +15,8 @@
 
 #define SAME_TIME (1e-8 * SAMPLE_TIME) /* what hosts are off by that add up t += h */
 
+#define N_MOTION (ORDER < 2 ? 3 : ORDER + 1) /* the acceleration at least */
+
 enum { REACHED, LAGS }; /* of the memory: the time that plant and filter have come to; the filter */
 
 static double corner(const State *s) {
@@ -28,7 +30,7 @@ static double corner(const State *s) {
 
 /* The command behind the filter, at the time that has been reached. */
 static void command(State *s) {
-    double motion[ORDER + 1];
+    double motion[N_MOTION] = {0};
     motion_at(s->memory[REACHED], SAME_TIME, motion);
     jounce_lags_output(s->memory + LAGS, N_LAGS, motion, 2, corner(s), s->value + V_R);
 }
@@ -43,7 +45,7 @@ static void put_out(State *s) {
 
 static void filter_on(State *s, double t, double end) {
     while (N_LAGS > 0 && t < end) {
-        double motion[ORDER + 1], next = end;
+        double motion[N_MOTION] = {0}, next = end;
         int piece = piece_at(t);
         if (piece < N_BREAKS && breaks[piece] < end) {
             next = breaks[piece];
@@ -85,12 +87,12 @@ static void control(State *s) {
 }
 
 static void core_initialize(State *s) { /* the command has coasted in for ever */
-    double motion[ORDER + 1];
+    const double *before = states[0];
+    double drift = ORDER > 0 ? before[ORDER > 0] : 0.0;
     int i;
     s->memory[REACHED] = s->start;
-    motion_at(s->start, 0.0, motion);
     for (i = 0; i < N_LAGS; i++) {
-        s->memory[LAGS + i] = motion[0] - motion[1] * (i + 1) / corner(s);
+        s->memory[LAGS + i] = before[0] - drift * (i + 1) / corner(s);
     }
     s->value[V_U] = 0.0;
 }

@@ -30,6 +30,12 @@ def flexible():
     return SampledLoop(move(), loop, DT, JerkFilter(20.0, 4))
 
 
+def ramp():
+    """Return a loop whose command is of order 1: its acceleration only the filter makes."""
+    loop = ServoLoop(Inertia(2.0), PID(900.0, 600.0, 80.0), InertiaFeedforward(2.0))
+    return SampledLoop(min_time_move(0.5, Limits(velocity=1.0)), loop, DT, JerkFilter(20.0, 3))
+
+
 def shaped(sampled, count):
     """Return the command with its derivatives at samples 0 to count, behind the filter if any."""
     trajectory, behind = sampled.trajectory, sampled.jerk_filter
@@ -60,7 +66,7 @@ def simulated(sampled, disturbance):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("make", [stiff, flexible])
+@pytest.mark.parametrize("make", [stiff, flexible, ramp])
 def test_the_loop_is_that_of_matrix_exponentials(make, version):
     disturbance = np.random.default_rng(4).normal(size=800)
     expected = simulated(make(), disturbance)
