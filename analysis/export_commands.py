@@ -22,6 +22,7 @@ class FirmwareChoice(StrEnum):
     FILTER = "filter"
     CONTROLLER = "controller"
     PLANT = "plant"
+    SERVO = "servo"
 
 
 @export_app.command("c")
@@ -31,7 +32,7 @@ def export_c_command(
         FirmwareChoice,
         typer.Option(
             help="What to export; shaper: the follower, which keeps a move's limits on the way "
-            "to any command."
+            "to any command; servo: the whole loop."
         ),
     ],
     output: Annotated[
@@ -41,14 +42,14 @@ def export_c_command(
     move: Annotated[
         str | None,
         typer.Option(
-            help="Name of the move, if the scenario has several; a shaper's default: the first."
+            help="Name of the move, if the scenario has several; shaper and servo: else the first."
         ),
     ] = None,
     name: Annotated[
         str | None, typer.Option(help="What names in C begin with. Default: the block's.")
     ] = None,
     sample_time: Annotated[
-        str, typer.Option(help="Of the controller, the follower and the shaper, such as '1 ms'.")
+        str, typer.Option(help="Of controller, follower, shaper and servo, such as '1 ms'.")
     ] = "1 ms",
 ) -> None:
     """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""

@@ -27,6 +27,7 @@ class BlockChoice(StrEnum):
     CONTROLLER = "controller"
     PLANT = "plant"
     LOOP = "loop"
+    SERVO = "servo"
 
 
 class FmiVersion(StrEnum):
@@ -40,7 +41,10 @@ class FmiVersion(StrEnum):
 def export_command(
     scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
     block: Annotated[
-        BlockChoice, typer.Option(help="What to export; loop: all together, as an .ssp.")
+        BlockChoice,
+        typer.Option(
+            help="What to export; loop: all together, as an .ssp; servo: the same as one FMU."
+        ),
     ],
     move: Annotated[
         str | None,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..plant import Inertia, InertiaFeedforward, ServoLoop
-from ..plant.fmu import CExport, FmuExport, SampledController, export_c, export_fmu
+from ..plant.fmu import CExport, FmuExport, SampledController, SampledLoop, export_c, export_fmu
 from ..shaping import CommandFollower, JerkFilter, Limits, Trajectory, min_time_move
 from .scenario import Move, Scenario
 from .survey import controller_of
@@ -15,14 +15,14 @@ from .survey import controller_of
 if TYPE_CHECKING:
     from ..plant.fmu.exporting.ssp import SspExport
 
-BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "loop"]
+BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "loop", "servo"]
 
 BLOCKS: tuple[str, ...] = get_args(BlockName)
-"""Names of the blocks; "loop" is all but the follower together."""
+"""Names of the blocks; "loop" is all but the follower together, "servo" that as one FMU."""
 
-FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant"]
+FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant", "servo"]
 
-OF_A_MOVE = ("trajectory", "follower", "shaper", "loop")
+OF_A_MOVE = ("trajectory", "follower", "shaper", "loop", "servo")
 """Blocks that need a move of the scenario."""
 
 
@@ -41,7 +41,7 @@ def export_block(
     Parameters
     ----------
     scenario : Scenario
-    block : "trajectory", "follower", "filter", "controller", "plant" or "loop"
+    block : "trajectory", "follower", "filter", "controller", "plant", "loop" or "servo"
     path : Path
         Of the file; its folder must exist. An existing file is replaced.
     dt : float
@@ -78,8 +78,12 @@ def export_block(
             unit=unit,
         )
         return replace(made, notes=(*notes, *made.notes))
+    notes = ()
+    if block == "servo":
+        move, notes = _first_of(scenario, move)
     source = _source(scenario, block, dt, move)
-    return export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
+    alone = export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
+    return replace(alone, notes=(*notes, *alone.notes))
 
 
 def export_c_block(
@@ -96,8 +100,8 @@ def export_c_block(
     Parameters
     ----------
     scenario : Scenario
-    block : "shaper", "trajectory", "follower", "filter", "controller" or "plant"
-        A shaper is the follower; without a move it takes the limits of the first.
+    block : "shaper", "trajectory", "follower", "filter", "controller", "plant" or "servo"
+        A shaper is the follower. Without a move, shaper and servo take the first.
     folder : Path
         As in `export_c`.
     dt : float
@@ -120,7 +124,7 @@ def export_c_block(
     """
     unit = "rad" if scenario.motion == "angle" else "m"
     notes: tuple[str, ...] = ()
-    if block == "shaper":
+    if block in ("shaper", "servo"):
         move, notes = _first_of(scenario, move)
     source = _source(scenario, block, dt, move)
     return export_c(source, folder, name=block if name is None else name, unit=unit), notes
@@ -151,10 +155,19 @@ def _source(
         if found is None:
             raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
         return found
+    if block == "servo":
+        return _loop_of(scenario, dt, move)
     loop = servo_loop_of(scenario)
     if block == "plant":
         return loop.plant
     return SampledController(loop.controller, dt, loop.feedforward)
+
+
+def _loop_of(scenario: Scenario, dt: float, move: str | None) -> SampledLoop:
+    """Return the whole loop on its way along a move."""
+    return SampledLoop(
+        trajectory_of(scenario, move), servo_loop_of(scenario), dt, jerk_filter_of(scenario)
+    )
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:

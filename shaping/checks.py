@@ -73,7 +73,7 @@ def state_numbers(name: str, given: Any) -> list[Any]:
 
 
 def entries(name: str, given: Iterable[Any]) -> list[Any]:
-    """Return what a list, an iterator or an array of real numbers holds, in order; rows are pairs or arrays.
+    """Return what a list, an iterator or an array of real numbers holds, in order.
 
     Raises
     ------

@@ -2,8 +2,8 @@
 
 import control
 
-from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward
-from jounce.plant.fmu import SampledController
+from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, ServoLoop
+from jounce.plant.fmu import SampledController, SampledLoop
 from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
 
 
@@ -53,6 +53,11 @@ def discrete_system():
     return control.ss([[0.5, 1.0], [0.0, 0.2]], [[0.0], [1.0]], [[1.0, 0.0]], [[2.0]], 0.1)
 
 
+def servo_loop():
+    loop = ServoLoop(flexible_inertia(), PID(90.0, 60.0, 20.0), InertiaFeedforward(2.0))
+    return SampledLoop(trajectory(), loop, 1e-3, jerk_filter())
+
+
 BLOCKS = {
     make.__name__: make
     for make in (
@@ -67,6 +72,7 @@ BLOCKS = {
         transfer_function,
         gain,
         discrete_system,
+        servo_loop,
     )
 }
 

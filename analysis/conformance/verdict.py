@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
-from ...shaping.checks import finite, positive
+from ...shaping.checks import finite, of_kind, positive
 from ...shaping.derivatives import derivative_name, derivative_number
 from ...shaping.limits import of_one
 from .bands import RESOLVED, Band, extent, joint_band, upper_end_holds

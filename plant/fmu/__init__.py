@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .exporting.export import FmuExport, export_fmu
     from .exporting.export_c import CExport, export_c
     from .exporting.loop_blocks import SampledController
+    from .exporting.servo_block import SampledLoop
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
     from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
     from .importing.io_system import io_system
@@ -38,6 +39,7 @@ _LATER = {
     "FmuTerminated": "importing.description",
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
+    "SampledLoop": "exporting.servo_block",
     "cosimulate": "cosimulation.cosimulate",
     "export_fmu": "exporting.export",
     "inspect_fmu": "importing.reading",
@@ -60,6 +62,7 @@ __all__ = [
     "FmuTerminated",
     "FmuVariable",
     "SampledController",
+    "SampledLoop",
     "SspExport",
     "cosimulate",
     "export_c",

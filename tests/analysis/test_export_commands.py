@@ -66,6 +66,12 @@ def test_a_shaper_takes_the_limits_of_the_first_move_and_says_so(run):
     assert not Path("made", "shaper.h").exists()
 
 
+def test_the_whole_loop_leaves_to_be_simulated(run):
+    status, out, _ = run("servo", "--output", "made", "--sample-time", "2 ms")
+    assert (status, "The move is 'out & in'" in out) == (0, True)
+    assert "#define SERVO_SAMPLE_TIME 0.002" in Path("made", "servo.h").read_text()
+
+
 @needs_compiler
 def test_the_shapers_example_moves_as_python_does(run):
     run("shaper", "--output", "made", "--sample-time", "5 ms")

@@ -77,6 +77,16 @@ def test_every_block_of_a_scenario_leaves(run, block, version):
     assert (found.fmi_version, found.platforms, found.has_sources) == (version, (), True)
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_whole_loop_leaves_as_one_fmu(run, version):
+    given = ("export", "axis.toml", "--block", "servo", "--fmi", version, "-o", "a.fmu", *SOURCES)
+    status, out, errors = run(*given)
+    assert (status, errors) == (0, [])
+    assert out.startswith(f"Wrote a.fmu: servo, FMI {version}, no binary")
+    units = {variable.name: variable.unit for variable in inspect_fmu("a.fmu").variables}
+    assert (units["d"], units["y"], units["corner_hz"]) == ("N", "m", "Hz")
+
+
 def test_what_leaves_is_what_the_scenario_says(run):
     for block in ("controller", "plant", "follower"):
         run("export", "axis.toml", "--block", block, "--sample-time", "2 ms", *SOURCES)
@@ -156,9 +166,10 @@ def test_a_wrong_export_is_refused(refused, options, words):
 
 
 def test_blocks_that_the_scenario_lacks_are_refused(refused, folder):
-    plain = ONE_MOVE.replace("filter =", "#")
+    plain = ONE_MOVE.replace("filter =", "#").replace('"2 m/s^2"}', '"2 m/s^2", snap = "9 m/s^4"}')
     (folder / "plain.toml").write_text(plain, encoding="utf-8")
     assert "no [filter]" in refused("export", "plain.toml", "--block", "filter")
+    assert "order 4" in refused("export", "plain.toml", "--block", "follower")
     assert "no.toml" in refused("export", "no.toml", "--block", "filter")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 
 from .blocks import Block
-from .c_header import ABOUT, comment, fields_of, runs_by_time, what_a_step_does
+from .c_header import ABOUT, Field, Fields, comment, fields_of, runs_by_time, what_a_step_does
 from .footprint import Footprint
 from .sources import number
 
@@ -18,7 +18,7 @@ def main_file(block: Block) -> str:
     """Return main.c, which runs the block over its default experiment and prints its outputs."""
     name, fields = block.name, fields_of(block)
     steps = max(round((block.stop_time - block.start_time) / block.step), 1)
-    given = [f"    block.{own.name} = {float(k == 0)};" for k, own in enumerate(fields.inputs)]
+    given = [f"    block.{own.name} = 1.0;" for own in _driven(fields)]
     shown = [own.name for own in (*fields.outputs, *fields.states)]
     printed = ", ".join(f"block.{own}" for own in shown)
     lines = [
@@ -44,6 +44,11 @@ def main_file(block: Block) -> str:
         "}",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _driven(fields: Fields) -> list[Field]:
+    """Return what an example sets: the first input, unless it is a loop's disturbance."""
+    return [own for own in fields.inputs[:1] if own.variable.name != "d"]
 
 
 def _example_call(block: Block) -> str:
@@ -133,7 +138,7 @@ def _use(block: Block) -> str:
         f"static {name}_block block; /* all memory of one block */",
         f"{name}_init(&block);       /* once: defaults */",
         f"/* {when}: */",
-        *(f"block.{own.name} = 1.0;" for own in fields.inputs[:1]),
+        *(f"block.{own.name} = 1.0;" for own in _driven(fields)),
         call,
         *(f"x = block.{own.name};" for own in [*fields.outputs, *fields.states][:1]),
         "```",

@@ -15,6 +15,7 @@ from .blocks import Block
 from .linear_blocks import linear_block
 from .loop_blocks import SampledController, controller_block, inertia_block
 from .motion_blocks import follower_block, jerk_filter_block, trajectory_block
+from .servo_block import SampledLoop, servo_block
 from .units import effort, position_unit, rate
 
 Unit = str | Mapping[str, str]
@@ -33,6 +34,7 @@ _KINDS: tuple[tuple[type, str, Any], ...] = (
     (Inertia, "inertia", inertia_block),
     (FlexibleInertia, "flexible_inertia", _flexible_block),
     (SampledController, "controller", controller_block),
+    (SampledLoop, "servo_loop", servo_block),
 )
 
 
@@ -42,7 +44,7 @@ def block_of(source: Any, *, name: str | None = None, unit: Unit = "1") -> Block
     Parameters
     ----------
     source : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-StateSpace or TransferFunction
+SampledLoop, StateSpace or TransferFunction
     name : str, optional
         A C identifier. Default: after the kind of object, or a linear system's own name.
     unit : str or mapping, optional

@@ -63,8 +63,8 @@ def export_fmu(
     Parameters
     ----------
     block : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-StateSpace or TransferFunction
-        A command follower of order 2. A python-control system of continuous time, or discrete
+SampledLoop, StateSpace or TransferFunction
+        A python-control system of continuous time, or discrete
         with a sampling time, and at most 200 states.
     path : path-like
         Of the file; its folder must exist. An existing file is replaced.

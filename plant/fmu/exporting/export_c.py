@@ -55,7 +55,7 @@ def export_c(
     Parameters
     ----------
     block : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-StateSpace or TransferFunction
+SampledLoop, StateSpace or TransferFunction
         As for `export_fmu`.
     folder : path-like
         To be made, in a folder that exists; or empty; or an earlier export that nobody has

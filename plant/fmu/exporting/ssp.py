@@ -12,7 +12,6 @@ from typing import Any
 
 from ....shaping import JerkFilter, Trajectory
 from ....shaping.checks import finite, positive
-from ....shaping.propagate import check_fed
 from ...inertia import Inertia
 from ...servo_loop import ServoLoop
 from . import units
@@ -21,6 +20,7 @@ from .blocks import Block, Variable, check_xml_name
 from .dispatch import block_of
 from .export import export_fmu
 from .loop_blocks import SampledController
+from .servo_block import check_commands
 from .units import position_unit, rate
 from .xml_ssp import Link, structure_description
 
@@ -132,7 +132,7 @@ def export_ssp(
         if not isinstance(value, kind):
             raise TypeError(f"{name} = {value!r}: expected a {kind.__name__}")
     dt, unit = positive("dt", dt), position_unit(unit)
-    _check_commands(trajectory, jerk_filter)
+    check_commands(trajectory, jerk_filter)
     lasting = trajectory.duration
     start = {"start_position": trajectory.start_state[0]}
     blocks: dict[str, Any] = {
@@ -251,19 +251,6 @@ def _in_steps(duration: float, dt: float) -> float:
             f"most {_MAX_STEPS:.0e}: give both in seconds"
         )
     return max(ceil(steps), 1) * dt
-
-
-def _check_commands(trajectory: Trajectory, jerk_filter: JerkFilter | None) -> None:
-    if jerk_filter is None:
-        check_fed(trajectory, (0, 1, 2))
-        return
-    if not isinstance(jerk_filter, JerkFilter):
-        raise TypeError(f"jerk_filter = {jerk_filter!r}: expected a JerkFilter or None")
-    if jerk_filter.order < 3:
-        raise ValueError(
-            f"a jerk filter of order {jerk_filter.order} puts out no acceleration, which the "
-            "controller needs: use order 3 or more"
-        )
 
 
 def _plant(plant: Any, unit: str, start: float) -> Block:

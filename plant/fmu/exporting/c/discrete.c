@@ -20,8 +20,9 @@ static void core_outputs(State *s, int running) {
     }
 }
 
-static const char *core_tick(State *s) {
+static const char *core_tick(State *s, Cache *cache) {
     int i;
+    (void)cache;
     weigh(s, N_STATES, N_OUTPUTS, s->value + V_OUTPUT);
     weigh(s, 0, N_STATES, s->memory);
     for (i = 0; i < N_STATES; i++) {
@@ -31,6 +32,5 @@ static const char *core_tick(State *s) {
 }
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {
-    (void)cache;
-    return run_ticks(s, t + h, h);
+    return run_ticks(s, cache, t + h, h);
 }

@@ -87,7 +87,8 @@ static const char *finish_sample(State *s) {
     return problem;
 }
 
-static const char *core_tick(State *s) {
+static const char *core_tick(State *s, Cache *cache) {
+    (void)cache;
     if (s->memory[FINISHED] == 0.0) {
         const char *problem = finish_sample(s);
         if (problem) {
@@ -103,9 +104,8 @@ static const char *core_tick(State *s) {
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {
     double since, motion[4], lags[N_SOME(N_LAGS)];
-    const char *problem = run_ticks(s, t + h, h);
+    const char *problem = run_ticks(s, cache, t + h, h);
     int i;
-    (void)cache;
     if (problem) {
         return problem;
     }

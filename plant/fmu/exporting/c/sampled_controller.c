@@ -30,9 +30,10 @@ static void core_outputs(State *s, int running) {
     }
 }
 
-static const char *core_tick(State *s) {
+static const char *core_tick(State *s, Cache *cache) {
     double e = s->value[V_R] - s->value[V_Y];
     jounce_pid pid = gains(s);
+    (void)cache;
     control(s);
     s->value[V_E_INTEGRAL] = jounce_pid_integral(&pid, s->value[V_E_INTEGRAL], e);
 #if !defined(MEASURED_RATE)
@@ -42,6 +43,5 @@ static const char *core_tick(State *s) {
 }
 
 static const char *core_step(State *s, Cache *cache, double t, double h) {
-    (void)cache;
-    return run_ticks(s, t + h, h);
+    return run_ticks(s, cache, t + h, h);
 }

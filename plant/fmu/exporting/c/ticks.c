@@ -15,14 +15,14 @@ static double tick_time(const State *s, int64_t tick) {
 }
 
 /* Returns what went wrong, or NULL. */
-static const char *core_tick(State *s);
+static const char *core_tick(State *s, Cache *cache);
 
-static const char *run_ticks(State *s, double end, double h) {
+static const char *run_ticks(State *s, Cache *cache, double end, double h) {
     if ((end - tick_time(s, s->ticks)) / SAMPLE_TIME > MOST_TICKS) {
         return "the step holds more than 1e9 samples: use a shorter one";
     }
     while (tick_time(s, s->ticks) < end - tick_slack(h)) {
-        const char *problem = core_tick(s);
+        const char *problem = core_tick(s, cache);
         if (problem) {
             return problem;
         }
