@@ -9,8 +9,8 @@ INSTALL := -m pip install --quiet --disable-pip-version-check --editable
 # What a release of a dependency can break: a part of the tests that calls all of them.
 BROAD := tests/test_packaging.py tests/shaping/test_public_names.py \
 	tests/shaping/optimal/test_linear_program.py tests/plant/test_linear_system.py \
-	tests/plant/fmu/cosimulation tests/analysis/gate tests/analysis/test_command_line.py \
-	tests/analysis/test_raw_output.py tests/analysis/test_units.py
+	tests/fmu/cosimulation tests/app/gate tests/app/test_command_line.py \
+	tests/app/test_raw_output.py tests/app/test_units.py
 
 .PHONY: survey test test-slow test-sanitize test-lowest test-newest check check-core wheel format
 .PHONY: benchmark readme clean
@@ -90,14 +90,14 @@ readme: $(VENV)/.installed-dev
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python $(INSTALL) ".[benchmark,peers]"
-	$(BIN)/python -m compileall -q jounce core shaping plant analysis # or imports are timed with their compilation
+	$(BIN)/python -m compileall -q jounce core shaping plant fmu analysis plots app # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 
 # The stamp files keep a second run from installing again.
 $(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python $(INSTALL) .
-	$(BIN)/python -m compileall -q jounce core shaping plant analysis # pip does this only for what it copies
+	$(BIN)/python -m compileall -q jounce core shaping plant fmu analysis plots app # pip does this only for what it copies
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed

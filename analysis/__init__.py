@@ -1,13 +1,7 @@
-"""Margins and surveys of servo loops, scenario files, tables, pictures and the command line."""
-
-from importlib import import_module
-from typing import TYPE_CHECKING
+"""Margins and surveys of servo loops, shapers as filters, conformance: results, no pictures."""
 
 from .conformance import Conformance, conformance, read_log
-from .gate import CheckError, GateReport, check_scenario
-from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
-from .scenario import Scenario, ScenarioError, load_scenario
-from .shapers import (
+from .frequency_view import (
     CascadedLags,
     DescribingFunction,
     FirstOrderLag,
@@ -31,37 +25,34 @@ from .shapers import (
     rollover_db_per_decade,
     vibration_map,
 )
+from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
+from .specification import Labels, Mode, Move, Specification
 from .survey import Survey, UnstableLoopError, survey
-
-if TYPE_CHECKING:
-    from . import plots
 
 __all__ = [
     "CascadedLags",
-    "CheckError",
     "Conformance",
     "DescribingFunction",
     "FirstOrderLag",
     "FrequencyResponse",
-    "GateReport",
+    "Labels",
     "LoopMargins",
     "ManyMargins",
+    "Mode",
+    "Move",
     "NullBySize",
     "PeriodicResponse",
-    "Scenario",
-    "ScenarioError",
+    "Specification",
     "Survey",
     "UnstableLoopError",
     "VibrationMap",
     "cascaded_lags",
-    "check_scenario",
     "conformance",
     "corner_omega",
     "describing_function",
     "fft_frequency_response",
     "first_order_lag",
     "frequency_response",
-    "load_scenario",
     "loop_margins",
     "many_loop_margins",
     "null_by_size",
@@ -69,7 +60,6 @@ __all__ = [
     "null_rise_time",
     "periodic_response",
     "place_null",
-    "plots",
     "rate_limiter_corner_omega",
     "read_log",
     "residual_vibration",
@@ -78,12 +68,6 @@ __all__ = [
     "survey",
     "vibration_map",
 ]
-
-
-def __getattr__(name: str) -> object:
-    if name != "plots":  # imported when it is first asked for
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return import_module(".plots", __name__)
 
 
 def __dir__() -> list[str]:

@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import log
-from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..plant import (
-    PID,
-    Inertia,
     InertiaFeedforward,
     LoopResponse,
     ServoLoop,
-    design_pid,
-    printed_pid,
 )
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from .frequency_view import residual_vibration
 from .margins import LoopMargins, loop_margins
 from .margins.result import shown_intervals
 from .sampling import Clock, clock_for, followed, thinned
-from .scenario import Gains, Mode, Move, Scenario, as_scenario
-from .shapers import residual_vibration
+from .specification import Labels, Mode, Move, Specification
 from .step import KEPT, StepResponse, step_response
 
 if TYPE_CHECKING:
@@ -75,11 +71,11 @@ class MoveResponse:
 
 @dataclass(frozen=True, eq=False)
 class MoveSurvey(Frozen):
-    """A move of the scenario, shaped, filtered and run through the loop.
+    """A move, shaped, filtered and run through the loop.
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
     varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
-    as the scenario describes it, with feedforward. `residual_vibration` maps the name of a mode
+    as it is, with its feedforward. `residual_vibration` maps the name of a mode
     to the amplitude, at the end of the shaped command, of what the command leaves ringing in it.
     """
 
@@ -96,58 +92,72 @@ class MoveSurvey(Frozen):
 
     @property
     def configured(self) -> MoveResponse:
-        """The response with the scenario's own feedforward."""
+        """The response with the loop's own feedforward."""
         return self.responses["with feedforward"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Survey:
-    """Everything that the survey of a scenario found, in SI units."""
+    """Everything that the survey of a loop found, in SI units."""
 
-    scenario: Scenario
     loop: ServoLoop
     jerk_filter: JerkFilter | None
     margins: LoopMargins
     checks: tuple[SpecificationCheck, ...]
     step: StepResponse
     moves: tuple[MoveSurvey, ...]
+    labels: Labels = field(default_factory=Labels)
+
+    @property
+    def missed(self) -> str:
+        """The specifications that are not met, and the step's overshoot; empty if all are."""
+        missed = [check for check in self.checks if not check.met]
+        if not missed:
+            return ""
+        listed = ", ".join(
+            f"{check.name} {check.shown} {check.unit} (asked {check.asked:.4g})" for check in missed
+        )
+        return f"{listed}; step overshoot {self.step.overshoot_percent:.1f} %"
 
     @property
     def findings(self) -> tuple[str, ...]:
         """Plain sentences on what does not meet its specification."""
-        missed = [check for check in self.checks if not check.met]
-        if not missed:
-            return ()
-        listed = ", ".join(
-            f"{check.name} {check.shown} {check.unit} (asked {check.asked:.4g})" for check in missed
-        )
-        overshoot = f"step overshoot {self.step.overshoot_percent:.1f} %"
-        if self.scenario.gains == "published":
-            return (
-                "The gains printed in Thompson, Section VII (k_r = 11.09J, k_i = 6.286k_r, "
-                f"k_p = 3.187k_r) miss their specifications: {listed}; {overshoot}, where the "
-                'text has 40 %. Use gains = "design" for a loop that meets them.',
-            )
-        return (f"The gains miss their specifications: {listed}; {overshoot}.",)
+        return (f"The gains miss their specifications: {self.missed}.",) if self.missed else ()
 
     def plot(self) -> Figure:
         """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
-        from .plots import plot_survey
-
-        return plot_survey(self)
+        drawn: Figure = draw(self)
+        return drawn
 
 
 def survey(
-    scenario: Scenario | str | Path, *, overrides: Mapping[str, Any] | None = None
+    loop: ServoLoop,
+    moves: Sequence[Move],
+    *,
+    jerk_filter: JerkFilter | None = None,
+    modes: Sequence[Mode] = (),
+    specification: Specification | None = None,
+    inertia_error: float = 0.1,
+    labels: Labels | None = None,
 ) -> Survey:
-    """Survey the servo loop that a scenario describes.
+    """Survey a servo loop: its margins, step response, and what it makes of moves.
 
     Parameters
     ----------
-    scenario : Scenario, str or Path
-        A scenario, or the path of its TOML file.
-    overrides : mapping of str to object, optional
-        Values in place of the file's, as `load_scenario` takes them.
+    loop : ServoLoop
+        Its feedforward is the one that is varied.
+    moves : sequence of Move
+        In rad or m.
+    jerk_filter : JerkFilter, optional
+        Behind the shaper.
+    modes : sequence of Mode, optional
+        What the moves must not leave ringing.
+    specification : Specification, optional
+        What the loop is to achieve.
+    inertia_error : float, optional
+        The fraction by which Ĵ is varied.
+    labels : Labels, optional
+        How the results are told. Default: without a title, in rad.
 
     Returns
     -------
@@ -155,67 +165,40 @@ def survey(
 
     Raises
     ------
-    ScenarioError
-        For a scenario file that cannot be used.
     UnstableLoopError
         Where the closed loop is unstable.
     ValueError
-        Where gains cannot be designed or a move cannot be planned or driven.
+        Where a move cannot be planned or driven.
 
     References
     ----------
     Thompson, "Snap, Crackle, and Pop", Section VII.
     """
-    scenario = as_scenario(scenario, overrides)
-    try:
-        controller = controller_of(scenario)
-    except ValueError as error:
-        raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
-    plant, feedforward = Inertia(scenario.inertia), InertiaFeedforward(scenario.feedforward_inertia)
-    loop = ServoLoop(plant, controller, feedforward)
     margins = loop_margins(loop.loop_transfer())
     if not margins.stable:
         worst = max(margins.closed_loop_poles, key=lambda pole: pole.real)
         gains = shown_intervals(margins.stabilizing_gains)
         remedy = f"by a common factor {gains}" if margins.stabilizing_gains else "one by one"
         raise UnstableLoopError(
-            f"{scenario.path}: the closed loop is UNSTABLE, with a pole at {worst:.4g} rad/s; "
+            f"the closed loop is UNSTABLE, with a pole at {worst:.4g} rad/s; "
             f"there are no margins to report. Change the gains {remedy}"
         )
-    behind = scenario.filter
-    jerk_filter = None if behind is None else JerkFilter(behind.corner_hz, behind.order)
     poles = margins.closed_loop_poles
+    variants = _variants(loop, inertia_error)
     return Survey(
-        scenario,
-        loop,
-        jerk_filter,
-        margins,
-        _specification_checks(scenario, margins),
-        step_response(loop, poles),
-        tuple(_move(scenario, loop, jerk_filter, move, poles) for move in scenario.moves),
-    )
-
-
-def controller_of(scenario: Scenario) -> PID:
-    """Return the controller that a scenario gives or asks for."""
-    if isinstance(scenario.gains, Gains):
-        return PID(scenario.gains.kp, scenario.gains.ki, scenario.gains.kr)
-    if scenario.gains == "published":
-        return printed_pid(scenario.inertia)
-    asked = scenario.specification
-    assert asked is not None  # the scenario's own check
-    return design_pid(
-        scenario.inertia,
-        crossover_hz=asked.crossover_hz,
-        phase_margin_deg=asked.phase_margin_deg,
-        lower_gain_margin_db=asked.lower_gain_margin_db,
+        loop=loop,
+        jerk_filter=jerk_filter,
+        margins=margins,
+        checks=_specification_checks(specification, margins),
+        step=step_response(loop, poles),
+        moves=tuple(_move(move, variants, jerk_filter, modes, poles) for move in moves),
+        labels=labels or Labels(),
     )
 
 
 def _specification_checks(
-    scenario: Scenario, margins: LoopMargins
+    asked: Specification | None, margins: LoopMargins
 ) -> tuple[SpecificationCheck, ...]:
-    asked = scenario.specification
     if asked is None:
         return ()
     return (
@@ -228,24 +211,25 @@ def _specification_checks(
 
 
 def _move(
-    scenario: Scenario, loop: ServoLoop, jerk_filter: JerkFilter | None, move: Move, poles: Poles
+    move: Move,
+    variants: Mapping[str, ServoLoop],
+    jerk_filter: JerkFilter | None,
+    modes: Sequence[Mode],
+    poles: Poles,
 ) -> MoveSurvey:
     try:
         trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds))
         clock = _move_clock(trajectory, jerk_filter, move, poles)
         responses = {}
-        for name, feedforward in _variants(scenario).items():
-            varied = ServoLoop(loop.plant, loop.controller, feedforward)
+        for name, varied in variants.items():
 
             def respond(dt: float, duration: float, loop: ServoLoop = varied) -> LoopResponse:
                 return loop.respond(trajectory, dt, duration=duration, jerk_filter=jerk_filter)
 
             responses[name] = _follow(name, respond, clock, move)
-        residual = {
-            mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in scenario.modes
-        }
+        residual = {mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in modes}
     except ValueError as error:
-        raise ValueError(f"{scenario.path}: move {move.name!r}: {error}") from None
+        raise ValueError(f"move {move.name!r}: {error}") from None
     return MoveSurvey(
         move.name, move, trajectory, MappingProxyType(responses), MappingProxyType(residual)
     )
@@ -260,16 +244,19 @@ def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: 
         raise ValueError(f"mode {mode.name!r}: {error}") from None
 
 
-def _variants(scenario: Scenario) -> dict[str, InertiaFeedforward]:
-    """Return the feedforwards that are compared, by name."""
-    j_hat, error = scenario.feedforward_inertia, scenario.inertia_error
+def _variants(loop: ServoLoop, error: float) -> dict[str, ServoLoop]:
+    """Return the loop with each of the feedforwards that are compared, by name."""
+    j_hat = 0.0 if loop.feedforward is None else loop.feedforward.J_hat
     inertias = {
         "without feedforward": 0.0,
         "with feedforward": j_hat,
         f"Ĵ {100 * error:+.4g} %": j_hat * (1.0 + error),
         f"Ĵ {-100 * error:+.4g} %": j_hat * (1.0 - error),
     }
-    return {name: InertiaFeedforward(inertia) for name, inertia in inertias.items()}
+    return {
+        name: ServoLoop(loop.plant, loop.controller, InertiaFeedforward(inertia))
+        for name, inertia in inertias.items()
+    }
 
 
 def _move_clock(

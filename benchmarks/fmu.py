@@ -17,8 +17,8 @@ import fmpy
 import numpy as np
 from timing import ratio, repeated, side_by_side, table
 
+from jounce.fmu import export_fmu, load_fmu
 from jounce.plant import Inertia
-from jounce.plant.fmu import export_fmu, load_fmu
 
 STEPS = 10_000
 DT = 1e-3

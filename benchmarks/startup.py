@@ -30,7 +30,7 @@ def rows() -> list[tuple[str, ...]]:
     """Return the table's rows: command, least and median CPU seconds."""
     python = sys.executable
     with tempfile.TemporaryDirectory() as folder:
-        main = "from jounce.analysis.command_line import main; main()"
+        main = "from jounce.app.command_line import main; main()"
         survey = [python, "-c", main, "survey", str(TELESCOPE), "--output", folder]
         commands = {
             "`python -c 'import numpy'`": [python, "-c", "import numpy"],

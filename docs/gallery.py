@@ -20,11 +20,11 @@ INTRODUCTION = """\
 # Gallery
 
 The subjects of the figures of P. M. Thompson, "Snap, Crackle, and Pop", under the paper's numbers,
-drawn by jounce (`analysis/plots/paper.py`). Where the text gives values they are used; the others
+drawn by jounce (`docs/figures/paper.py`). Where the text gives values they are used; the others
 are chosen so that every case shows. Each picture is a matplotlib figure:
 
 ```python
-from jounce.analysis.plots.paper import FIGURES
+from figures.paper import FIGURES
 
 FIGURES[3]().savefig("figure_3.png")
 ```
@@ -35,7 +35,7 @@ FIGURES[3]().savefig("figure_3.png")
 
 def page() -> str:
     """Return the gallery page in Markdown."""
-    from jounce.analysis.plots.paper import FIGURES
+    from figures.paper import FIGURES
 
     return "\n".join([INTRODUCTION, *(_section(n, draw.__doc__) for n, draw in FIGURES.items())])
 
@@ -66,7 +66,7 @@ def save(figure: Figure, path: Path) -> None:
     """Save a figure as a PNG, in a palette to keep the file small; always the same bytes."""
     from PIL import Image
 
-    from jounce.analysis.output import save_figure
+    from jounce.app.output import save_figure
 
     save_figure(figure, path)
     with Image.open(path) as drawn:
@@ -76,7 +76,7 @@ def save(figure: Figure, path: Path) -> None:
 
 def main() -> None:
     """Draw every figure, and write the page."""
-    from jounce.analysis.plots.paper import FIGURES
+    from figures.paper import FIGURES
 
     PICTURES.mkdir(exist_ok=True)
     for number, draw in FIGURES.items():

@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
 FOLDERS = [
-    *("jounce", "core", "shaping", "plant", "analysis", "building"),
+    *("jounce", "core", "shaping", "plant", "fmu", "analysis", "plots", "app", "building"),
     *("examples", "notebooks", "benchmarks", "docs", "tests"),
 ]
 
@@ -141,10 +141,10 @@ def picture() -> None:
     """Draw the survey of the telescope for the README, in a palette to keep the file small."""
     from PIL import Image
 
-    from jounce.analysis import survey
+    from jounce.app import survey_file
 
     path = ROOT / "docs" / "survey.png"
-    survey(ROOT / "examples" / "telescope.toml").plot().savefig(path, dpi=80)
+    survey_file(ROOT / "examples" / "telescope.toml").plot().savefig(path, dpi=80)
     Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
         path, optimize=True
     )

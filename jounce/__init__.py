@@ -1,10 +1,10 @@
 """The packages of jounce under one name, each loaded when asked for."""
 
-__all__ = ["__version__", "analysis", "core", "plant", "shaping"]
+__all__ = ["__version__", "analysis", "app", "core", "fmu", "plant", "plots", "shaping"]
 
 TYPE_CHECKING = False  # typing's own would be an import
 if TYPE_CHECKING:
-    from . import analysis, core, plant, shaping
+    from . import analysis, app, core, fmu, plant, plots, shaping
 
     __version__: str
 

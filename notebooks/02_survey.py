@@ -97,11 +97,11 @@ plt.show()
 # %%
 from pathlib import Path
 
-from jounce.analysis import survey
+from jounce.app import survey_file
 
 folders = [Path.cwd(), *Path.cwd().parents]
 examples = next(f / "examples" for f in folders if (f / "examples").is_dir())
-found = survey(examples / "telescope.toml")
+found = survey_file(examples / "telescope.toml")
 print(found.margins)
 for shaped in found.moves:
     settled = shaped.configured.settling_time_s

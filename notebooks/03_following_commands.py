@@ -19,7 +19,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from jounce.analysis.plots import plot_following, plot_motions, plot_phase_plane
+from jounce.plots import plot_following, plot_motions, plot_phase_plane
 from jounce.shaping import (
     CommandFollower,
     InfeasibleError,

@@ -20,6 +20,7 @@
 import control
 import matplotlib.pyplot as plt
 import numpy as np
+from figures.paper import FIGURES
 from IPython.display import display
 
 from jounce.analysis import (
@@ -38,15 +39,14 @@ from jounce.analysis import (
     rollover_db_per_decade,
     vibration_map,
 )
-from jounce.analysis.plots import (
-    FIGURES,
+from jounce.plant import respond
+from jounce.plots import (
     plot_describing_function,
     plot_null_by_size,
     plot_periodic_response,
     plot_vibration_by_size,
     plot_vibration_map,
 )
-from jounce.plant import respond
 from jounce.shaping import Limits, min_time_move, perfect_spline
 
 # %% [markdown]

@@ -22,9 +22,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from figures.paper import figure_10
 
-from jounce.analysis import check_scenario, loop_margins, servo_margins
-from jounce.analysis.plots import figure_10
+from jounce.analysis import loop_margins, servo_margins
+from jounce.app import check_scenario
 from jounce.plant import Inertia, ServoLoop, design_pid
 
 folder = Path(tempfile.mkdtemp())

@@ -24,8 +24,9 @@ import control
 import matplotlib.pyplot as plt
 import numpy as np
 
-from jounce.analysis import loop_margins, survey
-from jounce.plant.fmu import (
+from jounce.analysis import loop_margins
+from jounce.app import survey_file
+from jounce.fmu import (
     SampledController,
     cosimulate,
     export_fmu,
@@ -37,7 +38,7 @@ from jounce.plant.fmu import (
 
 folders = [Path.cwd(), *Path.cwd().parents]
 examples = next(f / "examples" for f in folders if (f / "examples").is_dir())
-found = survey(examples / "telescope.toml")
+found = survey_file(examples / "telescope.toml")
 loop, jerk_filter, move = found.loop, found.jerk_filter, found.moves[0]
 dt, duration = 0.002, 4.0
 arcsec = np.pi / 648000.0

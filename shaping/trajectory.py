@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,14 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from .. import core
 from .checks import finite, in_range, of_kind, positive, whole
 from .derivatives import derivative_name, derivative_number
+from .drawing import draw
 from .frozen import Frozen
 from .limits import Limits, of_one
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
 from .real_numbers import real_array, real_number
 from .trajectory_checks import check_shapes, check_times, finite_array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _ARRAYS = ("breaks", "states", "durations", "end_state")
 
@@ -453,7 +450,7 @@ class Trajectory(Frozen):
         unit: str = "",
         time_unit: str = "s",
         scale: float = 1.0,
-    ) -> Figure:
+    ) -> Any:
         """Draw a picture: position and every derivative, coloured where its limit is active.
 
         Parameters
@@ -470,7 +467,7 @@ class Trajectory(Frozen):
         Returns
         -------
         Figure
-            As `jounce.analysis.plots.plot_trajectory` draws it: pyplot's current one if it is
+            As `jounce.plots.plot_trajectory` draws it: pyplot's current one if it is
             empty, else a new one of pyplot's. A notebook shows pyplot's figures by itself: end
             the last line of a cell with a semicolon, or it shows this one twice.
 
@@ -481,11 +478,7 @@ class Trajectory(Frozen):
         ValueError
             For a scale that is not positive.
         """
-        motions = import_module("jounce.analysis.plots")  # shaping itself does without matplotlib
-        picture: Figure = motions.plot_trajectory(
-            self, limits=limits, unit=unit, time_unit=time_unit, scale=scale
-        )
-        return picture
+        return draw(self, limits=limits, unit=unit, time_unit=time_unit, scale=scale)
 
     def __repr__(self) -> str:
         return (

@@ -2,8 +2,8 @@
 
 import control
 
+from jounce.fmu import SampledController, SampledLoop
 from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, ServoLoop
-from jounce.plant.fmu import SampledController, SampledLoop
 from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
 
 

@@ -18,11 +18,11 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
 
-from jounce.plant.fmu import export_fmu
-from jounce.plant.fmu.exporting import compile
-from jounce.plant.fmu.exporting.compile import host_compiler
-from jounce.plant.fmu.exporting.dispatch import block_of
-from jounce.plant.fmu.exporting.sources import sources_of
+from jounce.fmu import export_fmu
+from jounce.fmu.exporting import compile
+from jounce.fmu.exporting.compile import host_compiler
+from jounce.fmu.exporting.dispatch import block_of
+from jounce.fmu.exporting.sources import sources_of
 
 VERSIONS = ("2.0", "3.0")
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 
 import jounce.analysis
+import jounce.app
 import jounce.plant
 import jounce.shaping
 from jounce.analysis import (
+    Mode,
+    Specification,
     cascaded_lags,
-    check_scenario,
     conformance,
     describing_function,
     first_order_lag,
     frequency_response,
-    load_scenario,
     loop_margins,
     null_by_size,
     periodic_response,
@@ -27,6 +28,7 @@ from jounce.analysis import (
     survey,
     vibration_map,
 )
+from jounce.app import check_scenario, load_scenario, survey_file
 from jounce.plant import (
     PID,
     FlexibleInertia,
@@ -58,7 +60,7 @@ FILTER = JerkFilter(2.0, 3)
 FOLLOWER = CommandFollower(LIMITS, dt=0.1, jerk_filter=FILTER)
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
 RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnection
-SURVEY = survey(load_scenario("examples/telescope.toml"))
+SURVEY = survey_file(load_scenario("examples/telescope.toml"))
 MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
 
 NOUNS = [
@@ -88,6 +90,11 @@ NOUNS = [
     servo_margins([1.0, 2.0], PID(1.0, 1.0, 2.0)),
     SURVEY,
     SURVEY.scenario,
+    survey(LOOP, SURVEY.scenario.moves[:1]),
+    SURVEY.labels,
+    SURVEY.scenario.moves[0],
+    Specification(1.0, 45.0, 12.0),
+    Mode("first", 8.0),
     SURVEY.moves[0],
     check_scenario("examples/telescope.toml"),
     conformance(TIMES, STATES[0], LIMITS, resolution=1e-6),
@@ -109,7 +116,7 @@ COPIES = {
 
 
 def test_every_public_noun_is_here():
-    modules = jounce.shaping, jounce.plant, jounce.analysis
+    modules = jounce.shaping, jounce.plant, jounce.analysis, jounce.app
     public = {getattr(module, name) for module in modules for name in module.__all__}
     nouns = {noun for noun in public if dataclasses.is_dataclass(noun)}
     assert nouns <= {type(noun) for noun in NOUNS}

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PACKAGES = ("core", "shaping", "plant", "analysis")
+PACKAGES = ("core", "shaping", "plant", "fmu", "analysis", "plots", "app")
 NOT_SENT = {"build", "dist", "out"}
 MADE = (
     "__pycache__",
@@ -24,7 +24,7 @@ MADE = (
     "*.so",
     *NOT_SENT,
 )
-COMMAND = "from jounce.analysis.command_line import main; main()"
+COMMAND = "from jounce.app.command_line import main; main()"
 BUILD = """
 import sys
 sys.path.insert(0, "building")
@@ -65,10 +65,10 @@ def test_packages_are_loaded_when_asked_for(tmp_path):
         "import sys, jounce; assert 'numpy' not in sys.modules; "
         "move = jounce.shaping.min_time_move(1.0, jounce.shaping.Limits(velocity=4.0)); "
         "assert 'control' not in sys.modules; "
-        "print(move.duration, jounce.plant.fmu.inspect_fmu.__name__, "
-        "jounce.analysis.plots.figure_1.__name__)"
+        "print(move.duration, jounce.fmu.inspect_fmu.__name__, "
+        "jounce.plots.draw.__name__)"
     )
-    assert python("-c", code, cwd=tmp_path) == "0.25 inspect_fmu figure_1"
+    assert python("-c", code, cwd=tmp_path) == "0.25 inspect_fmu draw"
 
 
 def test_names_of_jounce():
@@ -79,7 +79,7 @@ def test_names_of_jounce():
         _ = jounce.shapping
 
 
-@pytest.mark.parametrize("name", [*PACKAGES, "plant.fmu"])
+@pytest.mark.parametrize("name", PACKAGES)
 def test_names_that_are_loaded_later_are_listed_for_completion(name, tmp_path):
     code = f"import jounce.{name} as it; assert dir(it) == sorted(it.__all__), dir(it)"
     python("-c", code, cwd=tmp_path)
@@ -124,7 +124,7 @@ def test_the_sdist_holds_what_its_tests_and_its_readme_need(sent):
 
 def test_the_wheel_holds_the_package_alone(sent):
     package = {
-        f"jounce/{name}".replace("jounce/analysis/gate/plugin/", "jounce/pytest_plugin/")
+        f"jounce/{name}".replace("jounce/app/gate/plugin/", "jounce/pytest_plugin/")
         for name in tree(*PACKAGES)
     } | tree("jounce")
     information = f"jounce-{PROJECT['version']}.dist-info/"

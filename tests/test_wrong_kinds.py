@@ -22,7 +22,6 @@ from jounce.analysis import (
     servo_margins,
     vibration_map,
 )
-from jounce.analysis.plots import plot_trajectory
 from jounce.plant import (
     PID,
     FlexibleInertia,
@@ -32,6 +31,7 @@ from jounce.plant import (
     respond,
     zero_order_hold,
 )
+from jounce.plots import plot_trajectory
 from jounce.shaping import (
     JerkFilter,
     Limits,

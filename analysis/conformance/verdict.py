@@ -3,155 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf, nan, sqrt
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping import Limits
 from ...shaping.checks import finite, of_kind, positive
-from ...shaping.derivatives import derivative_name, derivative_number
 from ...shaping.limits import of_one
 from .bands import RESOLVED, Band, extent, joint_band, upper_end_holds
 from .fit import fit_spline
 from .readings import FEWEST, checked_log, found_resolution, merged, parts
+from .result import MEASURED, Conformance, Peak
 from .spline import SplineFit
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from rich.table import Table
-
     from ...shaping.pieces import FloatArray
 
-MEASURED = 3
-"""Highest derivative that is taken from a log."""
-
 _SCATTER = 2.0  # standard deviations that the noise adds to the distance of the farthest readings
-
-Verdict = Literal["kept", "broken", "cannot tell", "no limit"]
-
-
-@dataclass(frozen=True)
-class Peak:
-    """The largest value of a derivative in one direction, or in both.
-
-    Attributes
-    ----------
-    derivative : int
-    direction : int
-        1 forward, −1 backward (the value is then that of −x^(k)), 0 whichever is larger.
-    used : float
-        Peak of the fit, not negative.
-    least, most : float
-        Between these the true peak lies with probability 0.95: largest lower, and largest upper
-        end of the error bars. `most` is infinite where the log is too coarse to exclude a higher
-        peak, or the derivative cannot be measured.
-    time : float
-        When the peak of the fit is reached.
-    limit : float
-        Bound in this direction; infinite where there is none.
-    tolerance : float
-        Excess over the limit that still keeps it, relative.
-    """
-
-    derivative: int
-    direction: int
-    used: float
-    least: float
-    most: float
-    time: float
-    limit: float
-    tolerance: float
-
-    @property
-    def name(self) -> str:
-        """Name of the derivative, with its sign if it has only one."""
-        return derivative_name(self.derivative) + ("", " +", " −")[self.direction]
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether all, none or some of the error bar keeps the limit."""
-        allowed = self.limit * (1.0 + self.tolerance)
-        if allowed == inf:
-            return "no limit"
-        if self.most <= allowed:
-            return "kept"
-        return "broken" if self.least > allowed else "cannot tell"
-
-
-@dataclass(frozen=True, eq=False)
-class Conformance:
-    """What a log says of the limits.
-
-    Attributes
-    ----------
-    peaks : tuple of Peak
-        One per derivative where the limit is the same in both directions, else two.
-    bands : tuple of Band
-        Velocity, acceleration and jerk over time, with error bars.
-    limits : Limits
-    readings : int
-        Length of the log.
-    left_out : int
-        Readings in parts too short to check, or at rest without a known resolution.
-    resolution : float
-        Of the encoder, given or found in the log; zero where unknown.
-    noise : float
-        Standard deviation of a reading, in the noisiest part of the log.
-    longest_gap : float
-        Longest time from one reading to the next.
-    resolved_time : float
-        Shortest pulse of velocity, acceleration or jerk that the fit shows to 90 %: a shorter
-        excess may not be seen.
-    """
-
-    peaks: tuple[Peak, ...]
-    bands: tuple[Band, ...]
-    limits: Limits
-    readings: int
-    left_out: int
-    resolution: float
-    noise: float
-    longest_gap: float
-    resolved_time: float
-
-    @property
-    def kept(self) -> bool | None:
-        """True if every limit was kept, False if one was broken, None if one cannot tell."""
-        verdicts = {peak.verdict for peak in self.peaks}
-        if "broken" in verdicts:
-            return False
-        return None if "cannot tell" in verdicts else True
-
-    def band(self, derivative: int | str) -> Band:
-        """Return velocity, acceleration or jerk over time, given by number or name."""
-        k = derivative_number(derivative)
-        if not 1 <= k <= MEASURED:
-            raise ValueError(f"derivative {derivative!r}: expected velocity, acceleration or jerk")
-        return self.bands[k - 1]
-
-    def table(self) -> Table:
-        """Return the peaks, error bars and verdicts as a table for the terminal."""
-        from .text import conformance_table
-
-        return conformance_table(self)
-
-    def plot(self, *, unit: str = "", time_unit: str = "s") -> Figure:
-        """Return the picture: each derivative with its error bars and limits."""
-        from ..plots.conformance import plot_conformance
-
-        return plot_conformance(self, unit=unit, time_unit=time_unit)
-
-    def __str__(self) -> str:
-        from .text import conformance_text
-
-        return conformance_text(self)
-
-    def __repr__(self) -> str:
-        verdicts = ", ".join(f"{peak.name}: {peak.verdict}" for peak in self.peaks)
-        return f"Conformance(readings={self.readings}, {verdicts})"
 
 
 def conformance(

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .batched_crossings import OnePieces, solve
-from .batched_loops import Slopes
-from .batched_modulus import distance
+from .batch_crossings import OnePieces, solve
+from .batch_loops import Slopes
+from .batch_modulus import distance
 from .factored_loop import Real
 
 _SPREAD = 0.1

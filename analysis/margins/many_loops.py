@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike
 
 from ...plant import PID, Inertia
 from ...shaping.checks import of_kind
+from ...shaping.drawing import draw
 from ...shaping.frozen import Frozen
 from ...shaping.trajectory_checks import finite_array
-from .batched_crossings import pieces_of, stable
-from .batched_loops import Mask, loops_of
-from .batched_margins import gain_margins, phase_and_delay
-from .batched_modulus import modulus
-from .batched_roots import roots, trimmed
+from .batch_crossings import pieces_of, stable
+from .batch_loops import Mask, loops_of
+from .batch_margins import gain_margins, phase_and_delay
+from .batch_modulus import modulus
+from .batch_roots import roots, trimmed
 from .factored_loop import DAMPING_FLOOR, Real
 
 if TYPE_CHECKING:
@@ -108,11 +109,10 @@ class ManyMargins(Frozen):
         xlabel, ylabel : str, optional
             With units.
         """
-        from ..plots.margins import plot_margin_contours
-
-        return plot_margin_contours(
-            self, x, y, margin=margin, ax=ax, levels=levels, xlabel=xlabel, ylabel=ylabel
+        drawn: Axes = draw(
+            self, ax, x=x, y=y, margin=margin, levels=levels, xlabel=xlabel, ylabel=ylabel
         )
+        return drawn
 
 
 def many_loop_margins(

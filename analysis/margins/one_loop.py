@@ -7,10 +7,10 @@ import numpy as np
 
 from ...shaping.checks import finite
 from .bandwidth import bandwidth
-from .batched_crossings import OnePieces, Pieces, pieces_of
-from .batched_crossings import stable as is_stable_by_count
-from .batched_margins import at_edges, at_limits, gain_margins_at, phase_and_delay
-from .batched_modulus import DISTANCE, QUOTIENT, Measure, modulus
+from .batch_crossings import OnePieces, Pieces, pieces_of
+from .batch_crossings import stable as is_stable_by_count
+from .batch_margins import at_edges, at_limits, gain_margins_at, phase_and_delay
+from .batch_modulus import DISTANCE, QUOTIENT, Measure, modulus
 from .delay import rightmost_poles
 from .factored_loop import Complex, FactoredLoop, Real, is_stable
 from .factoring import factored

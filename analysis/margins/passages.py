@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .batched_crossings import OnePieces
-from .batched_margins import level_crossings, with_limits
+from .batch_crossings import OnePieces
+from .batch_margins import level_crossings, with_limits
 from .factored_loop import Real
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .batched_loops import Mask, Slopes
+from .batch_loops import Mask, Slopes
 from .crossings import TOUCH_TOLERANCE, phase_points, stationary_points
 from .factored_loop import DAMPING_FLOOR, Complex, FactoredLoop, Real, is_stable
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .batched_crossings import OnePieces
-from .batched_crossings import stable as is_stable_by_count
-from .batched_loops import Mask
-from .batched_margins import at_edges, at_limits
+from .batch_crossings import OnePieces
+from .batch_crossings import stable as is_stable_by_count
+from .batch_loops import Mask
+from .batch_margins import at_edges, at_limits
 from .crossings import TOUCH_TOLERANCE
 from .factored_loop import DAMPING_FLOOR, Real
 from .passages import Passages, below, whole_turns

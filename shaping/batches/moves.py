@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from ... import core
 from ..batch import MotionBatch, Problems
+from ..closed_moves import MAX_MOVE_ORDER
 from ..frozen import Frozen
 from ..limits import Limits, check_both_sides, not_limits, one_sided
-from ..moves import MAX_MOVE_ORDER, min_time_move
+from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
 from ..trajectory_checks import finite_array

@@ -8,9 +8,9 @@ from math import inf
 import numpy as np
 
 from ..checks import in_range, positive
+from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
-from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
 from .bound_search import BoundSearch
@@ -109,6 +109,7 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     Examples
     --------
     >>> limits = Limits(velocity=2.0, acceleration=10.0, jerk=100.0)
+    >>> from jounce.shaping import min_time_move
     >>> proof = certify(min_time_move(1.0, limits), limits)
     >>> proof.reached
     True
@@ -192,7 +193,7 @@ def _programmed(
 
     `lower` is a bound already.
     """
-    closed = min_time_move(distance, limits, method="closed-form")
+    closed = closed_form_move(distance, limits)
     motion: Trajectory = trajectory
     same_order = trajectory.order == limits.order
     if not (same_order and trajectory.duration < closed.duration * (1.0 - _AT_REST)):

@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..closed_moves import closed_form_move
 from ..limits import Limits
-from ..moves import min_time_move
 from ..pieces import FloatArray, evaluate
 from ..rise import spline_divisor
 from ..trajectory import Trajectory
@@ -72,9 +72,7 @@ def _most_lost(closed: Trajectory, limits: Limits) -> float:
     low = [k for k in range(1, 4) if limits.bounds(k)[1] < np.inf]
     if not low or not all(np.isfinite(limits.bounds(low[-1]))):
         return np.inf
-    fastest = min_time_move(
-        float(closed.end_state[0]), truncated(limits, low[-1]), method="closed-form"
-    )
+    fastest = closed_form_move(float(closed.end_state[0]), truncated(limits, low[-1]))
     return closed.duration / fastest.duration - 1.0
 
 
@@ -121,7 +119,7 @@ def _averaged(closed: Trajectory, limits: Limits, most: float) -> Trajectory | N
     if not order or relative_width(limits, order, closed.duration) > most:
         return None
     distance, below = float(closed.end_state[0]), truncated(limits, order)
-    lower = min_time_move(distance, below, method="closed-form")
+    lower = closed_form_move(distance, below)
     lower = improved(lower, below) or lower
     half = averaged_half(lower, limits.order, averaging_width(limits, order))
     return _finished(half, distance, 1.0, limits)
@@ -180,7 +178,7 @@ def without_cruise(closed: Trajectory, limits: Limits, left: float) -> Trajector
     if any(higher) or velocity < limits.bounds(1)[1] or cruise <= left * ramps:
         return None
     shorter = float(closed.end_state[0]) - velocity * (cruise - left * ramps)
-    return min_time_move(shorter, limits, method="closed-form")
+    return closed_form_move(shorter, limits)
 
 
 def _refined(problem: HalfProblem, nodes: FloatArray) -> tuple[FloatArray, Farthest, float] | None:

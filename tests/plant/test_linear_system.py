@@ -4,8 +4,8 @@ import control
 import numpy as np
 import pytest
 
+from jounce.fmu.cosimulation.cosimulate import cosimulate
 from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, ServoLoop
-from jounce.plant.fmu.cosimulation.cosimulate import cosimulate
 from jounce.plant.linear_system import linear_system, static_gain
 from jounce.plant.respond import respond, state_space
 from jounce.plant.sampled import zero_order_hold

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.batched_modulus import DISTANCE, QUOTIENT
+from jounce.analysis.margins.batch_modulus import DISTANCE, QUOTIENT
 
 S = control.tf("s")
 LOOPS = {

@@ -1,0 +1,209 @@
+"""The command `jounce check`: scenarios held to stored numbers and bounds, in one report."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+if TYPE_CHECKING:
+    from .gate import GateReport
+    from .gate.formats import BadInput
+
+    Outcomes: TypeAlias = Sequence[GateReport | BadInput]
+
+BAD_INPUT = 2
+CHECK_FAILED = 1
+OVERRIDES = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help='In place of the file\'s, such as limits.axis.jerk="3 deg/s^3"; may be repeated.',
+    ),
+]
+
+
+class CheckFormat(StrEnum):
+    """What `jounce check` prints."""
+
+    TABLE = "table"
+    GITHUB = "github"
+
+
+@dataclass(frozen=True)
+class _Files:
+    """The files beside the scenarios that a command names."""
+
+    baseline: Path | None
+    checks: Path | None
+    junit: Path | None
+
+    def read(self, scenario: Path) -> list[Path]:
+        """Return what is read for a scenario."""
+        from .gate.check import baseline_beside, checks_beside
+
+        beside = self.checks or checks_beside(scenario)
+        return [scenario, self.baseline or baseline_beside(scenario), beside]
+
+
+def check_command(
+    scenarios: Annotated[
+        list[str],
+        typer.Argument(help="Scenario files (TOML), see examples/; or patterns, 'axes/*.toml'."),
+    ],
+    baseline: Annotated[
+        Path | None,
+        typer.Option(help="Stored numbers (JSON). Default: SCENARIO.baseline.json."),
+    ] = None,
+    checks: Annotated[
+        Path | None,
+        typer.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
+    ] = None,
+    update: Annotated[
+        bool, typer.Option("--update", help="Store the numbers, if they keep the bounds.")
+    ] = False,
+    overrides: OVERRIDES = None,
+    junit: Annotated[
+        Path | None, typer.Option(help="Write the outcome to this file, as JUnit XML.")
+    ] = None,
+    output: Annotated[
+        CheckFormat, typer.Option("--format", help="github: print annotations, too.")
+    ] = CheckFormat.TABLE,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show what stayed the same, too.")
+    ] = False,
+) -> None:
+    """Compare loops' margins and moves with stored numbers and bounds; status 1 if worse.
+
+    An improvement beyond tolerance passes, with a note.
+
+    A number without a better side may change neither way: crossover, bandwidth,
+    rise and peak time of the step, peaks of a move.
+
+    What is asked and given (plant, specification, moves with their limits, filter and
+    tolerances, modes) must be as it was stored.
+    """
+    from .gate.formats import BadInput, github_error, tally
+    from .gate.scenario_files import scenario_files
+    from .overrides import read_overrides
+    from .printing import message_of, print_parts
+
+    files = _Files(baseline, checks, junit)
+    outcomes: Outcomes = [BadInput(Path(scenarios[0]), "")]
+    try:
+        paths = scenario_files(scenarios)
+        _refuse_several(paths, files)
+        given = read_overrides(overrides or ())
+        outcomes = [_outcome(path, files, given, update=update) for path in paths]
+        written = _write(outcomes, files)
+    except (ValueError, OSError) as error:
+        _replace_junit([BadInput(each.path, message_of(error)) for each in outcomes], files)
+        if output is CheckFormat.GITHUB:
+            print_parts(github_error(message_of(error)))
+        raise
+    for outcome in outcomes:
+        _print(outcome, output, everything=everything, several=len(outcomes) > 1)
+    print_parts(*[tally(outcomes)] * (len(outcomes) > 1), *(f"Wrote {path}" for path in written))
+    if any(isinstance(outcome, BadInput) for outcome in outcomes):
+        raise typer.Exit(BAD_INPUT)
+    if not all(outcome.passed for outcome in outcomes if not isinstance(outcome, BadInput)):
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _refuse_several(paths: Sequence[Path], files: _Files) -> None:
+    """Refuse one baseline, or one check file, of several scenarios."""
+    for option, path in (("--baseline", files.baseline), ("--checks", files.checks)):
+        if path is not None and len(paths) > 1:
+            raise ValueError(
+                f"{option} {path}: is of one scenario, and {len(paths)} are given; leave it out: "
+                "each has its own beside it"
+            )
+
+
+def _outcome(
+    path: Path, files: _Files, overrides: Mapping[str, Any], *, update: bool
+) -> GateReport | BadInput:
+    from .gate import check_scenario
+    from .gate.formats import BadInput
+    from .printing import message_of
+
+    try:
+        return check_scenario(
+            path,
+            baseline=files.baseline,
+            checks=files.checks,
+            update=update,
+            overrides=overrides,
+        )
+    except (ValueError, OSError) as error:
+        return BadInput(path, message_of(error))
+
+
+def _write(outcomes: Outcomes, files: _Files) -> list[Path]:
+    """Write baselines that are to be updated and the JUnit file, all or none; return which."""
+    from .gate.formats import BadInput
+    from .output import write_files
+
+    if all(isinstance(outcome, BadInput) for outcome in outcomes):
+        _replace_junit(outcomes, files)
+        return []
+    writers: dict[Path, Callable[[Path], object]] = {}
+    for outcome in outcomes:
+        if isinstance(outcome, BadInput) or not (outcome.update and outcome.passed):
+            continue
+        if outcome.measured is not None:
+            writers[files.read(outcome.path)[1]] = outcome.measured.write
+    write_files({**writers, **_junit_writer(outcomes, files)})
+    return [*writers, *([files.junit] if files.junit else [])]
+
+
+def _replace_junit(outcomes: Outcomes, files: _Files) -> None:
+    """Put bad input in the place of an earlier run's JUnit file, if that can be written."""
+    from .output import write_files
+
+    with suppress(ValueError, OSError):  # the error itself is what to tell
+        write_files(_junit_writer(outcomes, files))
+
+
+def _junit_writer(outcomes: Outcomes, files: _Files) -> dict[Path, Callable[[Path], object]]:
+    from .gate.formats import junit_text
+
+    junit = files.junit
+    if junit is None:
+        return {}
+    inputs = {path.resolve() for outcome in outcomes for path in files.read(outcome.path)}
+    if junit.resolve() in inputs:
+        raise ValueError(f"--junit {junit}: is a file that is read; name another one")
+    text = junit_text(*outcomes).encode("utf-8")
+    return {junit: lambda draft: draft.write_bytes(text)}
+
+
+def _print(
+    outcome: GateReport | BadInput, output: CheckFormat, *, everything: bool, several: bool
+) -> None:
+    from .gate.formats import BadInput, github_error, github_lines
+    from .gate.report import GateTable, heading, shown_rows, summary
+    from .printing import print_parts
+
+    if isinstance(outcome, BadInput):
+        print(f"jounce: {outcome.message}", file=sys.stderr)
+        print_parts(*[github_error(outcome.message)] * (output is CheckFormat.GITHUB))
+        return
+    title = heading(outcome, file=several)
+    rows, left_out = shown_rows(outcome, everything=everything, brief=several)
+    if rows:
+        print_parts(GateTable(rows, title))
+    elif several:
+        print_parts(title)
+    if left_out:
+        print_parts(f"{left_out}\n")
+    if output is CheckFormat.GITHUB:
+        print_parts(*github_lines(outcome))
+    print_parts(summary(outcome), *[""] * several)

@@ -1,0 +1,219 @@
+"""The command `jounce`: survey a scenario, check its numbers, plan a move."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable
+from difflib import get_close_matches
+from io import TextIOWrapper
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .check_command import CHECK_FAILED, OVERRIDES, check_command
+from .export_commands import export_app
+from .fmu_commands import fmu_app
+from .printing import message_of, print_parts
+
+if TYPE_CHECKING:
+    from ..shaping.moves import Method
+    from .plan import Plan
+
+BAD_INPUT = 2
+
+app = typer.Typer(
+    help="Command shaping with bounded derivatives, and surveys of servo loops.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command("check")(check_command)
+app.add_typer(fmu_app, name="fmu")
+app.add_typer(export_app, name="export")
+
+
+def main() -> None:
+    """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
+    from ..analysis.survey import UnstableLoopError
+
+    if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
+        sys.stdout.reconfigure(errors="replace")
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = _warn
+            app()
+    except UnstableLoopError as error:
+        _fail(error, CHECK_FAILED)
+    except (ValueError, OSError) as error:
+        _fail(error, BAD_INPUT)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print_parts(f"jounce {version('jounce')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _jounce(
+    *,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Command shaping with bounded derivatives, and surveys of servo loops."""
+
+
+@app.command("survey")
+def survey_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for survey.json, CSV and pictures.")
+    ],
+    overrides: OVERRIDES = None,
+) -> None:
+    """Print a loop's margins, design check and moves; write them with pictures to a folder."""
+    from .output import write_survey
+    from .overrides import read_overrides
+    from .report import survey_tables
+    from .scenario_survey import survey_file
+
+    found = survey_file(scenario, overrides=read_overrides(overrides or ()))
+    files = write_survey(found, output)
+    given = [f"with {text}" for text in found.scenario.overrides]
+    print_parts(found.scenario.title, *given, *survey_tables(found))
+    print_parts(*found.findings)
+    print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
+
+
+# Without ignore_unknown_options a negative distance would pass for an option.
+@app.command("plan", context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
+def plan_command(
+    context: typer.Context,
+    distance: Annotated[str, typer.Argument(help='Such as "60 arcsec" or "-2 mm".')],
+    velocity: Annotated[str | None, typer.Option(help='Such as "1 deg/s".')] = None,
+    acceleration: Annotated[
+        str | None,
+        typer.Option(help='Such as "0.2 deg/s^2", or "-0.1 deg/s^2, 0.2 deg/s^2" for each way.'),
+    ] = None,
+    jerk: Annotated[str | None, typer.Option(help='Such as "2 deg/s^3".')] = None,
+    snap: Annotated[str | None, typer.Option(help='Such as "20 deg/s^4".')] = None,
+    crackle: Annotated[str | None, typer.Option(help='Such as "200 deg/s^5".')] = None,
+    pop: Annotated[str | None, typer.Option(help='Such as "76.8 deg/s^6".')] = None,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(help='Any derivative, such as "7=2e4 deg/s^7"; may be repeated.'),
+    ] = None,
+    rise_time: Annotated[
+        str | None,
+        typer.Option(help="Rise time of the acceleration, in place of the highest limit."),
+    ] = None,
+    order: Annotated[
+        int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
+    ] = None,
+    start: Annotated[str | None, typer.Option(help="Position at the start.")] = None,
+    closed_form: Annotated[
+        bool,
+        typer.Option("--closed-form", help="From order 4 on: few pieces, but slower than need be."),
+    ] = False,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
+    ] = False,
+    pieces: Annotated[
+        bool, typer.Option("--pieces", help="Print the switch table from order 4 on, too.")
+    ] = False,
+    csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
+    ] = None,
+) -> None:
+    """Plan the fastest move between rests: its duration, its peaks and what limits them."""
+    from .plan import plan_move
+    from .report import certificate_table, plan_tables
+
+    _refuse_extra([distance, *context.args])
+    named = (velocity, acceleration, jerk, snap, crackle, pop)
+    bounds = {k: text for k, text in enumerate(named, start=1) if text is not None}
+    for text in limit or ():
+        k, quantity = _limit(text)
+        if k in bounds:
+            raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
+        bounds[k] = quantity
+    method: Method = "closed-form" if closed_form else "optimal"
+    plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order, method=method)
+    proofs = []
+    if certify:
+        from ..shaping import certify as prove
+
+        proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
+    _write_plan(plan, csv, plot)
+    print_parts(*plan_tables(plan, pieces=pieces), *proofs)
+    for path in (csv, plot):
+        if path is not None:
+            print_parts(f"Wrote {path}")
+
+
+def _refuse_extra(words: list[str]) -> None:
+    """Refuse all words but the first, and the first where it is a misspelt option."""
+    unknown = next((word for word in words if word.startswith("--")), None)
+    if unknown is not None:
+        known = [f"--{name.replace('_', '-')}" for name in plan_command.__annotations__]
+        near = get_close_matches(unknown, known, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise ValueError(f"unknown option {unknown}: {hint}See jounce plan --help")
+    if len(words) > 1:
+        raise ValueError(
+            f"unexpected {words[1]!r} behind the distance {words[0]!r}: write each quantity in "
+            'quotation marks, such as "60 arcsec"'
+        )
+
+
+def _limit(text: str) -> tuple[int, str]:
+    from .plan import derivative_key
+
+    name, separator, quantity = text.partition("=")
+    if not separator:
+        raise ValueError(f'--limit {text!r}: expected DERIVATIVE=QUANTITY, such as "7=2e4 deg/s^7"')
+    return derivative_key(name), quantity
+
+
+def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
+    from .output import check_picture, save_figure, write_files, write_rows
+    from .report import switch_rows
+
+    writers: dict[Path, Callable[[Path], object]] = {}
+    if csv is not None:
+        header, rows = switch_rows(plan)
+        writers[csv] = lambda draft: write_rows(draft, header, rows)
+    if plot is not None:
+        check_picture(plot)
+        from matplotlib.figure import Figure
+
+        from ..plots import plot_trajectory
+
+        figure = plot_trajectory(
+            plan.trajectory,
+            limits=plan.limits,
+            unit=plan.unit,
+            scale=plan.scale,
+            figure=Figure(),  # of its own, without pyplot and a display
+        )
+        writers[plot] = lambda draft: save_figure(figure, draft)
+    write_files(writers)
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    """Print a warning as one line, without the place in the code that it comes from."""
+    print(f"jounce: warning: {message}", file=sys.stderr)
+
+
+def _fail(error: Exception, status: int) -> None:
+    print(f"jounce: {message_of(error)}", file=sys.stderr)
+    raise SystemExit(status)

@@ -1,0 +1,76 @@
+"""The command `jounce export c`: a block of a scenario as C99 for firmware."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu_options import seconds
+
+export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
+
+
+class FirmwareChoice(StrEnum):
+    """What of a scenario `jounce export c` writes."""
+
+    SHAPER = "shaper"
+    TRAJECTORY = "trajectory"
+    FOLLOWER = "follower"
+    FILTER = "filter"
+    CONTROLLER = "controller"
+    PLANT = "plant"
+    SERVO = "servo"
+
+
+@export_app.command("c")
+def export_c_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    block: Annotated[
+        FirmwareChoice,
+        typer.Option(
+            help="What to export; shaper: the follower, which keeps a move's limits on the way "
+            "to any command; servo: the whole loop."
+        ),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="Folder to write: new, empty or an earlier export."),
+    ],
+    move: Annotated[
+        str | None,
+        typer.Option(
+            help="Name of the move, if the scenario has several; shaper and servo: else the first."
+        ),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(help="What names in C begin with. Default: the block's.")
+    ] = None,
+    sample_time: Annotated[
+        str, typer.Option(help="Of controller, follower, shaper and servo, such as '1 ms'.")
+    ] = "1 ms",
+) -> None:
+    """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""
+    from .printing import print_parts
+    from .scenario import load_scenario
+    from .scenario_blocks import OF_A_MOVE, export_c_block
+
+    if move is not None and block not in OF_A_MOVE:
+        raise ValueError(f"--move: a {block.value} belongs to no move; leave it out")
+    read = load_scenario(scenario)
+    try:
+        made, notes = export_c_block(
+            read,
+            block.value,
+            output,
+            dt=seconds("--sample-time", sample_time),
+            move=move,
+            name=name,
+        )
+    except OSError as error:
+        told = error.strerror or str(error).partition(": ")[2] or error
+        raise ValueError(f"--output {output}: {told}") from None
+    print_parts(f"Wrote {made.folder}: {block.value}, C99, {len(made.files)} files")
+    print_parts(*notes)

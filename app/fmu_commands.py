@@ -1,0 +1,148 @@
+"""The commands `jounce fmu`: export a block of a scenario, inspect an FMU or SSP, run it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
+from .fmu_run import run_command
+
+fmu_app = typer.Typer(
+    help="FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.",
+    no_args_is_help=True,
+)
+
+
+class BlockChoice(StrEnum):
+    """What of a scenario `jounce fmu export` writes."""
+
+    TRAJECTORY = "trajectory"
+    FOLLOWER = "follower"
+    FILTER = "filter"
+    CONTROLLER = "controller"
+    PLANT = "plant"
+    LOOP = "loop"
+    SERVO = "servo"
+
+
+class FmiVersion(StrEnum):
+    """Versions of FMI that are written."""
+
+    FMI_2 = "2.0"
+    FMI_3 = "3.0"
+
+
+@fmu_app.command("export")
+def export_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    block: Annotated[
+        BlockChoice,
+        typer.Option(
+            help="What to export; loop: all together, as an .ssp; servo: the same as one FMU."
+        ),
+    ],
+    move: Annotated[
+        str | None,
+        typer.Option(
+            help="Name of the move, if the scenario has several; a loop's default: the first."
+        ),
+    ] = None,
+    fmi: Annotated[FmiVersion, typer.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write. Default: SCENARIO_BLOCK.fmu, here."),
+    ] = None,
+    sample_time: Annotated[
+        str, typer.Option(help="Of the controller and the follower, such as '1 ms'.")
+    ] = "1 ms",
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="host, x86_64-linux, x86_64-windows, … or none (sources only); may be repeated. "
+            "Default: the host's, and with ziglang Linux and Windows."
+        ),
+    ] = None,
+) -> None:
+    """Write a block of a scenario as an FMU that needs no Python; in rad or m, and s."""
+    from ..fmu import CompilerError
+    from .printing import print_parts
+    from .scenario import load_scenario
+    from .scenario_blocks import OF_A_MOVE, export_block
+
+    if move is not None and block not in OF_A_MOVE:
+        raise ValueError(f"--move: a {block.value} belongs to no move; leave it out")
+    read = load_scenario(scenario)
+    path = output or Path(_file_name(scenario, block, move))
+    _check_target(path, scenario, ".ssp" if block is BlockChoice.LOOP else ".fmu")
+    try:
+        made = export_block(
+            read,
+            block.value,
+            path,
+            dt=seconds("--sample-time", sample_time),
+            move=move,
+            fmi_version=fmi.value,
+            platforms=_platforms(platform),
+        )
+    except (CompilerError, ModuleNotFoundError) as error:
+        raise ValueError(" ".join(str(error).split())) from None
+    except OSError as error:
+        told = error.strerror or error
+        raise ValueError(f"--output {path}: {told}; give a path that can be written") from None
+    binaries = ", ".join(made.platforms) or "no binary, sources only"
+    print_parts(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
+    print_parts(*made.notes)
+
+
+@fmu_app.command("inspect")
+def inspect_command(
+    file: Annotated[Path, typer.Argument(help="FMU, FMI 2.0 or 3.0, or SSP; file or folder.")],
+    local: Annotated[bool, typer.Option("--local", help="Show local variables, too.")] = False,
+    max_size: Annotated[
+        str | None, typer.Option(help="What the file may unpack to, such as '4 GB'.")
+    ] = None,
+) -> None:
+    """Print what an FMU or SSP says of itself; nothing of it is run or unpacked for good."""
+    from ..fmu.cosimulation.load_ssp import inspect_ssp
+    from ..fmu.importing.reading import inspect_fmu
+    from .fmu_report import fmu_tables, ssp_tables
+    from .printing import print_parts
+
+    check_readable(file)
+    limit = None if max_size is None else size_in_bytes("--max-size", max_size)
+    if is_ssp(file):
+        print_parts(*ssp_tables(inspect_ssp(file, max_unpacked_bytes=limit)))
+    else:
+        print_parts(*fmu_tables(inspect_fmu(file, max_unpacked_bytes=limit), local=local))
+
+
+fmu_app.command("run")(run_command)
+
+
+def _platforms(given: Sequence[str] | None) -> list[str] | None:
+    if not given:
+        return None
+    if "none" in given and len(given) > 1:
+        raise ValueError("--platform none: sources only; leave the other platforms out")
+    return [] if "none" in given else list(given)
+
+
+def _file_name(scenario: Path, block: BlockChoice, move: str | None) -> str:
+    from .output import slug
+
+    parts = [scenario.stem, block.value] + ([] if move is None else [slug(move)])
+    return "_".join(parts) + (".ssp" if block is BlockChoice.LOOP else ".fmu")
+
+
+def _check_target(path: Path, scenario: Path, suffix: str) -> None:
+    if path.suffix.lower() != suffix:
+        raise ValueError(f"--output {path}: expected a file name that ends in {suffix}")
+    if path.is_dir() or path.is_symlink() or (path.exists() and not path.is_file()):
+        raise ValueError(f"--output {path}: is a folder, link or device; name a file to be written")
+    if path.resolve() == scenario.resolve():
+        raise ValueError(f"--output {path}: is the scenario; name another file")

@@ -1,0 +1,198 @@
+"""The blocks of a scenario that leave as FMUs and C: shaper, filter, controller, plant, loop."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from ..analysis.specification import Move
+from ..fmu import (
+    CExport,
+    FmuExport,
+    SampledController,
+    SampledLoop,
+    export_c,
+    export_fmu,
+)
+from ..shaping import CommandFollower, Limits, Trajectory, min_time_move
+from .scenario import Scenario
+from .scenario_loop import jerk_filter_of, servo_loop_of
+
+if TYPE_CHECKING:
+    from ..fmu.exporting.ssp import SspExport
+
+BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "loop", "servo"]
+
+BLOCKS: tuple[str, ...] = get_args(BlockName)
+"""Names of the blocks; "loop" is all but the follower together, "servo" that as one FMU."""
+
+FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant", "servo"]
+
+OF_A_MOVE = ("trajectory", "follower", "shaper", "loop", "servo")
+"""Blocks that need a move of the scenario."""
+
+
+def export_block(
+    scenario: Scenario,
+    block: BlockName,
+    path: Path,
+    *,
+    dt: float,
+    move: str | None = None,
+    fmi_version: str = "2.0",
+    platforms: list[str] | None = None,
+) -> FmuExport | SspExport:
+    """Write a block of a scenario as an FMU, or its whole loop as an SSP, in rad or m and s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    block : "trajectory", "follower", "filter", "controller", "plant", "loop" or "servo"
+    path : Path
+        Of the file; its folder must exist. An existing file is replaced.
+    dt : float
+        Sample time of what is sampled: controller, follower.
+    move : str, optional
+        Name of the move for a trajectory, follower or loop. Default: the only one there is; of
+        several, a loop takes the first, and its notes say so.
+    fmi_version : "2.0" or "3.0", optional
+    platforms : list of str, optional
+        As in `export_fmu`.
+
+    Returns
+    -------
+    FmuExport or SspExport
+
+    Raises
+    ------
+    ValueError
+        For a move, or a part, that the scenario does not have; as `export_fmu` does.
+    """
+    unit = "rad" if scenario.motion == "angle" else "m"
+    if block == "loop":
+        from ..fmu.exporting.ssp import export_ssp
+
+        move, notes = _first_of(scenario, move)
+        made = export_ssp(
+            path,
+            trajectory_of(scenario, move),
+            servo_loop_of(scenario),
+            dt=dt,
+            jerk_filter=jerk_filter_of(scenario),
+            fmi_version=fmi_version,
+            platforms=platforms,
+            unit=unit,
+        )
+        return replace(made, notes=(*notes, *made.notes))
+    notes = ()
+    if block == "servo":
+        move, notes = _first_of(scenario, move)
+    source = _source(scenario, block, dt, move)
+    alone = export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
+    return replace(alone, notes=(*notes, *alone.notes))
+
+
+def export_c_block(
+    scenario: Scenario,
+    block: FirmwareName,
+    folder: Path,
+    *,
+    dt: float,
+    move: str | None = None,
+    name: str | None = None,
+) -> tuple[CExport, tuple[str, ...]]:
+    """Write a block of a scenario as C99, in rad or m and s.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    block : "shaper", "trajectory", "follower", "filter", "controller", "plant" or "servo"
+        A shaper is the follower. Without a move, shaper and servo take the first.
+    folder : Path
+        As in `export_c`.
+    dt : float
+        Sample time of what is sampled: controller, follower, shaper.
+    move : str, optional
+        Name of the move for a trajectory, follower or shaper.
+    name : str, optional
+        What names in C begin with. Default: the block's.
+
+    Returns
+    -------
+    CExport, and notes for the user
+
+    Raises
+    ------
+    ValueError
+        For a move, or a part, that the scenario does not have.
+    OSError
+        As `export_c` does.
+    """
+    unit = "rad" if scenario.motion == "angle" else "m"
+    notes: tuple[str, ...] = ()
+    if block in ("shaper", "servo"):
+        move, notes = _first_of(scenario, move)
+    source = _source(scenario, block, dt, move)
+    return export_c(source, folder, name=block if name is None else name, unit=unit), notes
+
+
+def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[str, ...]]:
+    """Return a move's name, the first where none is given, and what is to be said of that."""
+    names = [own.name for own in scenario.moves]
+    if move is not None or len(names) == 1:
+        return move, ()
+    others = ", ".join(map(repr, names[1:]))
+    return names[0], (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
+
+
+def _source(
+    scenario: Scenario, block: BlockName | FirmwareName, dt: float, move: str | None
+) -> Any:
+    if block == "trajectory":
+        return trajectory_of(scenario, move)
+    if block in ("follower", "shaper"):
+        chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
+        try:
+            return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
+        except ValueError as error:
+            raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
+    if block == "filter":
+        found = jerk_filter_of(scenario)
+        if found is None:
+            raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
+        return found
+    if block == "servo":
+        return _loop_of(scenario, dt, move)
+    loop = servo_loop_of(scenario)
+    if block == "plant":
+        return loop.plant
+    return SampledController(loop.controller, dt, loop.feedforward)
+
+
+def _loop_of(scenario: Scenario, dt: float, move: str | None) -> SampledLoop:
+    """Return the whole loop on its way along a move."""
+    return SampledLoop(
+        trajectory_of(scenario, move), servo_loop_of(scenario), dt, jerk_filter_of(scenario)
+    )
+
+
+def find_move(scenario: Scenario, name: str | None) -> Move:
+    """Return the move of this name, or the only one; ValueError that lists them otherwise."""
+    names = [move.name for move in scenario.moves]
+    if name is None and len(names) == 1:
+        return scenario.moves[0]
+    if name not in names:
+        problem = "has several moves" if name is None else f"has no move {name!r}"
+        listed = ", ".join(map(repr, names))
+        raise ValueError(f"{scenario.path}: {problem}; give --move one of {listed}")
+    return scenario.moves[names.index(name)]
+
+
+def trajectory_of(scenario: Scenario, move: str | None) -> Trajectory:
+    """Return the trajectory of a move, in rad or m."""
+    chosen = find_move(scenario, move)
+    try:
+        return min_time_move(chosen.distance, Limits.from_bounds(chosen.bounds))
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None

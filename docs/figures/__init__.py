@@ -1,0 +1,1 @@
+"""The figures of Thompson's paper, each drawn by one function, and their numbers."""

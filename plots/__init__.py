@@ -1,0 +1,46 @@
+"""Pictures of results: one function for each, in the Axes given or pyplot's own."""
+
+from .conformance import plot_conformance
+from .cosimulation import plot_cosimulation
+from .describing import (
+    plot_describing_function,
+    plot_describing_gain,
+    plot_describing_phase,
+    plot_periodic_response,
+)
+from .dispatch import draw
+from .frequency_view import (
+    plot_cascaded_lags,
+    plot_frequency_responses,
+    plot_null_by_size,
+    plot_vibration_by_size,
+    plot_vibration_map,
+)
+from .margins import plot_margin_contours
+from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
+from .survey import plot_survey
+
+__all__ = [
+    "draw",
+    "plot_cascaded_lags",
+    "plot_conformance",
+    "plot_cosimulation",
+    "plot_describing_function",
+    "plot_describing_gain",
+    "plot_describing_phase",
+    "plot_following",
+    "plot_frequency_responses",
+    "plot_margin_contours",
+    "plot_motions",
+    "plot_null_by_size",
+    "plot_periodic_response",
+    "plot_phase_plane",
+    "plot_survey",
+    "plot_trajectory",
+    "plot_vibration_by_size",
+    "plot_vibration_map",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,142 @@
+"""Moves in closed form: checked, planned in one direction, mirrored for the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import frexp, inf, isfinite, isinf, ldexp, log
+from sys import float_info
+
+import numpy as np
+
+from .. import core
+from .checks import finite, range_error
+from .closed_form import fastest_plan
+from .derivatives import derivative_name
+from .limits import Limits, check_both_sides, of_one, one_sided
+from .rise import spline_divisor, to_trajectory
+from .trajectory import Trajectory, point, within_range
+
+_EXTREME = 200  # a power of two of a unit that is left as it is
+_SPOILT = 1e-11  # an excess over a bound that is more than rounding
+
+MAX_MOVE_ORDER = 14
+"""Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
+
+
+def check_kept(move: Trajectory, limits: Limits) -> None:
+    """Refuse a move spoilt by rounding, which takes bounds some 15 decades apart."""
+    low, high = move.states[:, 1:].min(axis=0), move.states[:, 1:].max(axis=0)
+    for k, (lower, upper) in enumerate(zip(limits.lower, limits.upper, strict=True)):
+        if low[k] < lower * (1.0 + _SPOILT) or high[k] > upper * (1.0 + _SPOILT):
+            raise ValueError(
+                f"the {derivative_name(k + 1)} limit cannot be kept in double precision: the "
+                "limits are too many decades apart; leave out those that never bind"
+            )
+
+
+def planned(
+    distance: float,
+    limits: Limits,
+    start: float,
+    plan: Callable[[float, Limits], Trajectory],
+) -> Trajectory:
+    """Return a move in either direction, planned in the positive one, after checks."""
+    distance, start = finite("distance", distance), finite("start", start)
+    if of_one(limits).order > MAX_MOVE_ORDER:
+        raise ValueError(
+            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
+            "drop the highest bounds or use perfect_spline"
+        )
+    check_both_sides(limits)
+    if distance == 0.0:
+        return point(start, limits.order)
+    forward = limits if distance > 0.0 else limits.mirror()
+    _check_bounded_ahead(forward)
+    move = _in_own_units(plan, abs(distance), _without_idle(abs(distance), forward))
+    if distance < 0.0:
+        move = move.mirror()
+    return move.shift(start) if start else move
+
+
+def _in_own_units(
+    plan: Callable[[float, Limits], Trajectory], distance: float, limits: Limits
+) -> Trajectory:
+    """Return a move planned in units of its own, powers of two, where those given are extreme."""
+    n, length = limits.order, frexp(distance)[1]
+    time = (length - frexp(min(-limits.lower[-1], limits.upper[-1]))[1]) // n
+    if max(abs(length), abs(time)) <= _EXTREME:
+        return plan(distance, limits)
+
+    def scaled() -> Trajectory:
+        bounds = [
+            (ldexp(low, k * time - length), ldexp(high, k * time - length))
+            for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True), 1)
+        ]
+        if not all(low and high for low, high in bounds):
+            raise OverflowError
+        move = plan(ldexp(distance, -length), Limits.from_bounds(bounds))
+        powers = length - time * np.arange(n + 1)
+        return Trajectory.from_arrays(
+            np.ldexp(move.breaks, time),
+            np.ldexp(move.states, powers),
+            np.ldexp(move.durations, time),
+            np.ldexp(move.end_state, powers),
+        )
+
+    return within_range(scaled)
+
+
+def _without_idle(distance: float, limits: Limits) -> Limits:
+    """Return limits without those that can never bind: 2²⁰ times what the spline would reach.
+
+    The perfect spline within the highest bound D alone takes T = (c·R/D)^(1/n), and no derivative
+    k of a move passes D·T^(n−k); in logarithms, because the bounds may be as large as doubles go.
+    """
+    n = limits.order
+    highest = log(min(-limits.lower[-1], limits.upper[-1]))
+    duration = (log(distance) + log(spline_divisor(n)) - highest) / n
+
+    def kept(bound: float, k: int) -> bool:
+        return isinf(bound) or log(abs(bound)) <= highest + (n - k) * duration + 20.0 * log(2.0)
+
+    pairs = [
+        (low if kept(low, k) else -inf, high if kept(high, k) else inf)
+        for k, (low, high) in enumerate(zip(limits.lower[:-1], limits.upper, strict=False), 1)
+    ]
+    return Limits.from_bounds([*pairs, (limits.lower[-1], limits.upper[-1])])
+
+
+def fastest(distance: float, limits: Limits) -> Trajectory:
+    """Return the fastest closed form in positive direction."""
+    if limits.order <= 3:
+        motion = core.move(distance, limits.flat, 0.0)
+        if isinstance(motion, int):
+            raise range_error()
+        return Trajectory.of_motion(motion)
+    bounds = magnitudes(limits)
+    if not float_info.min <= distance / bounds[-1] < inf:
+        raise OverflowError
+    return to_trajectory(fastest_plan(distance, bounds).build())
+
+
+def magnitudes(limits: Limits) -> list[float]:
+    """Return one bound per derivative: velocity's forward, the smaller one of the others."""
+    smaller = [min(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
+    return [limits.upper[0], *smaller[1:]]
+
+
+def _check_bounded_ahead(limits: Limits) -> None:
+    """Refuse a velocity, the only one bounded, that is so in the other direction only."""
+    if limits.order == 1 and not isfinite(limits.upper[0]):
+        raise one_sided(limits, False, "a bound in the direction of the move")
+
+
+def closed_form_move(distance: float, limits: Limits) -> Trajectory:
+    """Return the fastest closed form from rest at 0 to rest, as `min_time_move` tells of it."""
+
+    def plan(length: float, forward: Limits) -> Trajectory:
+        move = within_range(lambda: fastest(length, forward))
+        check_kept(move, forward)
+        return move
+
+    return planned(distance, limits, 0.0, plan)

@@ -1,0 +1,101 @@
+"""The command `jounce export c`: what it writes, and one clear line for a wrong input."""
+
+import subprocess
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmus import needs_compiler
+
+from jounce.fmu.exporting import export_c as writing
+from jounce.shaping import CommandFollower, JerkFilter, Limits
+
+SCENARIO = """
+plant.inertia = "2 kg"
+controller.gains = {kp = "90 N/m", ki = "60 N/(m s)", kr = "20 N s/m"}
+filter = {corner = "20 Hz", order = 4}
+limits.axis = {velocity = "1 m/s", acceleration = "2 m/s^2"}
+moves = [
+    {name = "out & in", distance = "20 mm", settle_to = "1 mm"},
+    {name = "back", distance = "-10 mm", settle_to = "1 mm"},
+]
+"""
+ALONE = ["filter", "controller", "plant"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch) -> Path:
+    """Work in a folder that holds a scenario; measure nothing."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(writing, "measure", lambda *_: None)
+    Path("axis.toml").write_text(SCENARIO, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def run(run):
+    """Run `jounce export c` on the scenario."""
+    return partial(run, "export", "c", "axis.toml", "--block")
+
+
+@pytest.mark.parametrize("block", ALONE)
+def test_every_block_of_a_scenario_leaves(run, block):
+    status, out, errors = run(block, "--output", "made")
+    assert (status, errors) == (0, [])
+    assert f": {block}, C99, " in out
+    assert f"int {block}_init({block}_block *block);" in Path("made", f"{block}.h").read_text()
+
+
+@pytest.mark.parametrize("block", ["trajectory", "follower"])
+def test_a_move_is_chosen_by_name(run, block):
+    status, out, errors = run(block, "--output", "made")
+    assert (status, out) == (2, "")
+    assert "give --move one of 'out & in', 'back'" in errors[0]
+    assert not Path("made").exists()
+    assert run(block, "--move", "back", "-o", "made")[0] == 0
+
+
+def test_a_shaper_takes_the_limits_of_the_first_move_and_says_so(run):
+    status, out, _ = run("shaper", "--output", "made")
+    assert status == 0
+    assert "The move is 'out & in', the first; --move takes another: 'back'" in out
+    status, out, _ = run("shaper", "--output", "made", "--move", "back", "--name", "pan")
+    assert (status, "The move" in out) == (0, False)
+    assert Path("made", "pan.h").exists()
+    assert not Path("made", "shaper.h").exists()
+
+
+def test_the_whole_loop_leaves_to_be_simulated(run):
+    status, out, _ = run("servo", "--output", "made", "--sample-time", "2 ms")
+    assert (status, "The move is 'out & in'" in out) == (0, True)
+    assert "#define SERVO_SAMPLE_TIME 0.002" in Path("made", "servo.h").read_text()
+
+
+@needs_compiler
+def test_the_shapers_example_moves_as_python_does(run):
+    run("shaper", "--output", "made", "--sample-time", "5 ms")
+    subprocess.run(["make", "-s"], cwd="made", check=True)
+    made = subprocess.run(["made/build/example"], capture_output=True, text=True, check=True)
+    rows = np.array([line.split() for line in made.stdout.splitlines()], dtype=float).T
+    limits = Limits(velocity=1.0, acceleration=2.0)
+    follower = CommandFollower(limits, dt=0.005, jerk_filter=JerkFilter(20.0, 4))
+    np.testing.assert_array_equal(rows, follower.run(np.ones(1000)).states)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("plant", "-o", "axis.toml"), "--output axis.toml: is a file; name a folder"),
+        (("plant", "-o", "no/c"), "no is not a folder; create it first"),
+        (("plant", "-o", "."), "holds axis.toml, which no export wrote; name a new or empty"),
+        (("plant", "-o", "c", "--move", "back"), "--move: a plant belongs to no move"),
+        (("plant", "-o", "c", "--name", "main"), "name = 'main'"),
+        (("shaper", "-o", "c", "--sample-time", "0 s"), "--sample-time"),
+    ],
+)
+def test_wrong_input_is_one_line(run, arguments, told, folder):
+    status, out, errors = run(*arguments)
+    assert (status, out, len(errors)) == (2, "", 1)
+    assert told in errors[0]
+    assert [path.name for path in folder.iterdir()] == ["axis.toml"]
