@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from ..app import scenario_checks as checks
+Bound = float | tuple[float, float]
+"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +28,7 @@ class Move:
 
     name: str
     distance: float
-    bounds: tuple[checks.Bound, ...]
+    bounds: tuple[Bound, ...]
     limits_name: str
     settle_to: float
 

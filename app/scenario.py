@@ -17,7 +17,7 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..analysis.specification import Mode, Move, Specification
+from ..analysis.specification import Bound, Mode, Move, Specification
 from . import scenario_checks as checks
 from .overrides import Place, override
 from .reading import read_toml
@@ -157,7 +157,7 @@ class _Mode(_Section):
 
 
 _LimitSet = Annotated[
-    dict[str, Annotated[checks.Bound, PlainValidator(checks.read_bound)]],
+    dict[str, Annotated[Bound, PlainValidator(checks.read_bound)]],
     BeforeValidator(checks.named_bounds),
 ]
 
@@ -272,7 +272,7 @@ def _scenario(
     )
 
 
-def _move(move: _Move, limits: dict[str, checks.Bound]) -> Move:
+def _move(move: _Move, limits: dict[str, Bound]) -> Move:
     order = 1 + max(checks.LIMIT_KEYS.index(key) for key in limits)
     return Move(
         name=move.name,

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from pydantic import PlainValidator, ValidationInfo, ValidatorFunctionWrapHandler
 
+from ..analysis.specification import Bound
 from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES
 from .scenario_messages import unknown_key, what_to_write
@@ -23,9 +24,6 @@ from .units import (
     parse_unit,
     show,
 )
-
-Bound = float | tuple[float, float]
-"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
 
 HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 HIGHEST_FILTER_ORDER = 50
