@@ -1,4 +1,4 @@
-"""Regenerate the README's parts that are measured or listed, not written.
+"""Regenerate the parts of the documentation that are measured or listed, not written.
 
 Run: python docs/readme.py tree precision robustness picture benchmarks   (any; or `make readme`)
 """
@@ -15,7 +15,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-README = ROOT / "README.md"
+PAGES = {
+    "tree": ROOT / "docs" / "tree.md",
+    "precision": ROOT / "docs" / "precision.md",
+    "robustness": ROOT / "docs" / "precision.md",
+    "benchmarks": ROOT / "docs" / "benchmarks.md",
+}
 FOLDERS = [
     *("jounce", "core", "shaping", "plant", "fmu", "analysis", "plots", "app", "building"),
     *("examples", "notebooks", "benchmarks", "docs", "tests"),
@@ -23,14 +28,15 @@ FOLDERS = [
 
 
 def replace_part(name: str, text: str) -> None:
-    """Replace what stands between the README's marks of a part."""
+    """Replace what stands between the marks of a part on its page."""
+    page = PAGES[name]
     begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-    whole = README.read_text(encoding="utf-8")
+    whole = page.read_text(encoding="utf-8")
     pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
     replaced, count = pattern.subn(lambda _: f"{begin}\n{text}\n{end}", whole)
     if count != 1:
-        raise ValueError(f"{README.name} has {count} parts named {name!r}: expected one")
-    README.write_text(replaced, encoding="utf-8")
+        raise ValueError(f"{page.name} has {count} parts named {name!r}: expected one")
+    page.write_text(replaced, encoding="utf-8")
 
 
 def tree() -> str:
@@ -66,7 +72,7 @@ def _about_folder(folder: str) -> str:
         "examples": "scenario files",
         "notebooks": "percent scripts, each paired with an output-free .ipynb",
         "benchmarks": "side by side with peers in one run",
-        "docs": "this README's picture and generated parts",
+        "docs": "pages with their pictures and generated parts",
         "tests": "one test_<file>.py per source file, in folders of the same names",
     }[folder]
 

@@ -1,4 +1,4 @@
-"""The README's code runs, and its generated parts are up to date."""
+"""The README's code runs, and the generated parts of the documentation are up to date."""
 
 import importlib.util
 import re
@@ -8,12 +8,11 @@ import pytest
 import references
 
 ROOT = Path(__file__).parent.parent
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def part(name):
-    begin, end = f"<!-- {name}: begin -->\n", f"\n<!-- {name}: end -->"
-    return TEXT.split(begin)[1].split(end)[0]
+PAGES = {
+    path: path.read_text(encoding="utf-8")
+    for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+}
+TEXT = PAGES[ROOT / "README.md"]
 
 
 def generator():
@@ -21,6 +20,15 @@ def generator():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def part(name):
+    begin, end = f"<!-- {name}: begin -->\n", f"\n<!-- {name}: end -->"
+    return PAGES[generator().PAGES[name]].split(begin)[1].split(end)[0]
+
+
+def test_the_readme_is_short():
+    assert len(TEXT.splitlines()) <= 200
 
 
 def test_the_tree_is_the_one_there_is():
@@ -61,11 +69,23 @@ def test_what_was_measured_is_within_what_is_promised():
     assert all(float(measured) <= float(promised) for promised, measured in rows)
 
 
-@pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\(([^)#]+)\)", TEXT))))
-def test_links_lead_somewhere(target):
-    assert target.startswith("https://") or (ROOT / target).exists()
+LINKS = sorted(
+    {(path, target) for path in PAGES for target in re.findall(r"\]\(([^)#]+)\)", PAGES[path])}
+)
 
 
-@pytest.mark.parametrize("path", sorted(set(re.findall(r"`((?:[a-z]+/)+[\w.]+)`", TEXT))))
+@pytest.mark.parametrize(
+    ("page", "target"), LINKS, ids=[f"{page.name} {target}" for page, target in LINKS]
+)
+def test_links_lead_somewhere(page, target):
+    assert target.startswith("https://") or (page.parent / target).exists()
+
+
+NAMED = sorted(
+    {name for text in PAGES.values() for name in re.findall(r"`((?:[a-z]+/)+[\w.]+)`", text)}
+)
+
+
+@pytest.mark.parametrize("path", NAMED)
 def test_paths_named_are_there(path):
     assert (ROOT / path).exists() or path.startswith("out/")
