@@ -49,3 +49,7 @@ __all__ = [
     "transfers",
     "velocity_transfer",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

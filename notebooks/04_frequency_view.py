@@ -17,10 +17,11 @@
 # what a move leaves ringing.
 
 # %%
+import sys
+
 import control
 import matplotlib.pyplot as plt
 import numpy as np
-from figures.paper import FIGURES
 from IPython.display import display
 
 from jounce.analysis import (
@@ -83,6 +84,9 @@ plt.show()
 # Moves of equal duration, of order 2 to 6, beside six lags of 2 Hz: the paper's Figure 8.
 
 # %%
+sys.path.insert(0, "../docs")  # where the paper's figures are drawn
+from figures.paper import FIGURES
+
 FIGURES[8]()
 
 # %% [markdown]

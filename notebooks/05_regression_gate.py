@@ -17,12 +17,12 @@
 
 # %%
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from figures.paper import figure_10
 
 from jounce.analysis import loop_margins, servo_margins
 from jounce.app import check_scenario
@@ -40,6 +40,9 @@ scenario = folder / "telescope.toml"
 
 # %%
 # %matplotlib inline
+sys.path.insert(0, "../docs")  # where the paper's figures are drawn
+from figures.paper import figure_10
+
 figure_10()
 
 # %% [markdown]

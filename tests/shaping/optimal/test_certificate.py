@@ -173,7 +173,7 @@ def test_a_smooth_move_that_is_not_optimal():
 
 def test_a_bound_in_one_direction_proves_nothing():
     limits = Limits.from_bounds([None, None, None, None, (-inf, 5.0)])
-    proof = certify(min_time_move(1.0, limits), limits)
+    proof = certify(min_time_move(1.0, Limits(crackle=5.0)), limits)
     assert (proof.lower_bound, proof.gap, proof.reached) == (0.0, inf, False)
 
 
