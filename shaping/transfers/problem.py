@@ -43,6 +43,13 @@ class Transfer(Trajectory):
         fields["inside_after"] = motion.inside_after
         return transfer
 
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motion alone, which knows of no limits."""
+        return Trajectory.from_arrays(
+            self.breaks, self.states, self.durations, self.end_state, self.coasting
+        )
+
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""
         return f"{super().__repr__()[:-1]}{told})"
