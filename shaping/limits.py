@@ -73,7 +73,7 @@ class Limits(Frozen):
         known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
         if known is None:
             self._set((velocity, acceleration, jerk, snap, crackle, pop))
-        else:
+        else:  # at once: it is half of the time that a move takes
             fields = self.__dict__  # the way around `frozen`
             fields["lower"], fields["upper"], fields["flat"] = known
 
@@ -91,6 +91,11 @@ class Limits(Frozen):
         return limits
 
     def _set(self, bounds: tuple[Bound | None, ...]) -> None:
+        known = core.bounds(*bounds)
+        if known is not None:
+            fields = self.__dict__  # the way around `frozen`
+            fields["lower"], fields["upper"], fields["flat"] = known
+            return
         pairs = [sides_of(bound, k) for k, bound in enumerate(bounds, start=1)]
         while pairs and all(_is_missing(side) for side in pairs[-1] if side is not None):
             pairs.pop()
@@ -115,9 +120,7 @@ class Limits(Frozen):
     def __getattr__(self, name: str) -> Any:
         if name != "lower" or "upper" not in self.__dict__:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        lower = self.__dict__["lower"] = tuple(
-            map(_opposite, self.upper)
-        )  # of both directions alike
+        lower = self.__dict__["lower"] = tuple(map(_opposite, self.upper))  # both ways alike
         return lower
 
     @property
