@@ -62,7 +62,7 @@ check: $(VENV)/.installed-dev .typing/jounce check-core
 # mypy sees the folders under the names that they are imported by; an sdist holds no links.
 .typing/jounce:
 	mkdir -p $@
-	ln -s ../../jounce/__init__.py ../../jounce/py.typed $@
+	ln -s $(addprefix ../../,$(wildcard jounce/*.py) jounce/py.typed) $@
 	ln -s $(filter-out ../../jounce,$(patsubst %/__init__.py,../../%,$(wildcard */__init__.py))) $@
 
 # ISO C has no word for the slots of Python's types, so that the binding is not pedantic.

@@ -1,7 +1,8 @@
 """What takes a scenario file: surveys, checks against a baseline, reports, the command line."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from ..later import later
 
 if TYPE_CHECKING:
     from .gate import CheckError, GateReport, check_scenario
@@ -31,14 +32,4 @@ __all__ = [
     "survey_file",
 ]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _LATER:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_LATER[name]}", __name__), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = later(__name__, _LATER, __all__)

@@ -1696,8 +1696,6 @@ static PyType_Spec follower_spec = {
     .slots = follower_slots,
 };
 
-/* --- the module ------------------------------------------------------------------------------- */
-
 /* --- messages of FMUs (binding_fmi2.c) ---------------------------------------------------------- */
 
 static PyObject *fmi2_logger(PyObject *module, PyObject *strays) {
@@ -1708,6 +1706,8 @@ static PyObject *fmi2_logger(PyObject *module, PyObject *strays) {
     }
     return PyLong_FromVoidPtr((void *)jounce_fmi2_log_to((jounce_fmi2_note)note));
 }
+
+/* --- the module ------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
     {"bounds", FAST(bounds_of), METH_FASTCALL,

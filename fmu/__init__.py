@@ -1,7 +1,8 @@
 """Blocks out as FMUs (Functional Mock-up Units) and C, anybody's FMUs in: FMI 2.0 and 3.0."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from ..later import later
 
 if TYPE_CHECKING:
     from .cosimulation.cosimulate import cosimulate
@@ -76,14 +77,4 @@ __all__ = [
     "load_ssp",
 ]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _LATER:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_LATER[name]}", __name__), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = later(__name__, _LATER, __all__)

@@ -68,7 +68,12 @@ def test_curves_show_the_extremes_of_the_log(count, k):
 
 def test_a_log_at_rest_is_drawn():
     found = conformance(np.arange(50.0), np.ones(50), Limits(jerk=1.0), resolution=0.1)
-    FigureCanvasAgg(found.plot()).draw()
+    figure = found.plot()
+    FigureCanvasAgg(figure).draw()
+    assert figure.axes
+    for ax in figure.axes:
+        low, high = ax.get_ylim()
+        assert -np.inf < low < high < np.inf
 
 
 def test_nothing_is_drawn_in_a_pause():

@@ -1,0 +1,1 @@
+../../jounce/later.py
