@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LoopResponse:
+class LoopResponse(Frozen):
     """Exact response of a servo loop on a uniform time grid; arrays (N,), time last.
 
     Attributes

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .checks import of_kind, positive, whole
 from .derivatives import derivative_number
+from .frozen import Frozen
 from .pieces import FloatArray
 from .propagate import grid, inputs_on_grid, propagate
 from .real_numbers import real_array, real_number
@@ -21,7 +22,7 @@ MAX_FILTER_ORDER = 50
 
 
 @dataclass(frozen=True, eq=False)
-class FilterResponse:
+class FilterResponse(Frozen):
     """Exact response of a filter on a uniform time grid.
 
     Attributes

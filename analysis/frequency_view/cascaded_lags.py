@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...shaping import Trajectory
 from ...shaping.checks import one_of
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
 from ...shaping.trajectory_checks import finite_array
 from .frequency import FrequencyResponse, corner_omega, frequency_response
 from .spectrum import move_distance
@@ -24,7 +25,7 @@ _UP_TO_CORNER = 200  # frequencies, at which the error up to the corner is looke
 
 
 @dataclass(frozen=True, eq=False)
-class CascadedLags:
+class CascadedLags(Frozen):
     """Lags in series beside the shaper they stand for.
 
     Attributes

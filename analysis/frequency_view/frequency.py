@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import JerkFilter, Trajectory
 from ...shaping.checks import positive, whole
+from ...shaping.frozen import Frozen
 from ...shaping.jerk_filter import checked_filter
 from ...shaping.real_numbers import shown
 from ...shaping.trajectory_checks import finite_array
@@ -29,7 +30,7 @@ _MOST_POINTS = 1e8
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyResponse:
+class FrequencyResponse(Frozen):
     """H(jω) of a shaper.
 
     Attributes

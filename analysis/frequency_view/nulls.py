@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ...shaping import Limits, Trajectory, min_time_move
 from ...shaping.checks import positive, whole
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
 from ...shaping.pieces import MAX_ORDER
 from ...shaping.trajectory import checked_trajectory
 from .spectrum import checked_distances, move_distance, spectrum_bound, velocity_spectrum
@@ -42,7 +43,7 @@ _STAYS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class NullBySize:
+class NullBySize(Frozen):
     """The null nearest to a frequency, over the distance of the move.
 
     Attributes

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ...shaping.checks import finite
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
 from ...shaping.jerk_filter import checked_filter
 from ...shaping.moves import Method
 from ...shaping.trajectory_checks import finite_array
@@ -28,7 +29,7 @@ _APART = 0.1  # |p + ω_c|/ω_c of a mode and a filter that can be told apart
 
 
 @dataclass(frozen=True, eq=False)
-class VibrationMap:
+class VibrationMap(Frozen):
     """Residual vibration over the distance of the move and the frequency of the mode.
 
     Attributes
