@@ -23,8 +23,7 @@ class Frozen:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields, mappings as plain ones, which can be pickled."""
-        state = vars(self)
-        return {name: _plain(state[name]) for name in _names(self) if name in state}
+        return {name: _plain(getattr(self, name)) for name in _names(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over fields, all read-only."""

@@ -69,7 +69,7 @@ NOUNS = [
     Limits(np.array([1.0, 2.0]), (-1.0, 2.0), np.array([[-3.0, 1.0], [-4.0, 5.0]])),
     MOVE,
     Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
-    Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]),
+    Transfer(MOVE, LIMITS),
     SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
     min_time_transfer((0.0, 2.0), 1.0, LIMITS),
     min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
@@ -203,7 +203,6 @@ def test_a_copied_trajectory_cannot_be_written_to_and_goes_on(way):
     )
 
 
-def test_a_transfer_made_from_arrays_says_what_it_lacks():
-    assert Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]).limits is None
+def test_a_move_made_from_arrays_says_what_it_lacks():
     with pytest.raises(ValueError, match="was made from arrays: plan it by s_curve_move"):
         SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]).append(1.0)

@@ -12,7 +12,7 @@ from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
 from ..pieces import FloatArray
-from ..trajectory import Trajectory
+from ..trajectory import Motion, Trajectory, as_trajectory
 from .bound_search import BoundSearch
 from .grids import graded_grid, with_touches
 from .half_problem import HalfProblem
@@ -58,7 +58,7 @@ class Certificate:
         return self.gap <= self.rtol
 
 
-def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
+def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
     """Prove how much faster a rest-to-rest move could be at most.
 
     For any multipliers λ and measures μ_k every motion within the limits has
@@ -117,21 +117,19 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     [-0.375, -0.125, -0.125]
     """
     rtol = positive("rtol", rtol)
-    if not isinstance(trajectory, Trajectory) or not isinstance(limits, Limits):
-        raise TypeError("expected certify(trajectory, limits) with a Trajectory and Limits")
-    limits = of_one(limits)
-    _check(trajectory, limits)
-    distance = float(trajectory.end_state[0] - trajectory.start_state[0])
+    move, limits = as_trajectory(trajectory), of_one(limits)
+    _check(move, limits)
+    distance = float(move.end_state[0] - move.start_state[0])
     if distance < 0.0:
-        trajectory, limits = trajectory.mirror(), limits.mirror()
+        move, limits = move.mirror(), limits.mirror()
     if distance == 0.0:
-        gap = inf if trajectory.duration > 0.0 else 0.0
-        return Certificate(trajectory.duration, 0.0, gap, (0.0,) * limits.order, rtol)
-    lower, terms = in_range(lambda: _bounds(trajectory, abs(distance), limits, rtol))
+        gap = inf if move.duration > 0.0 else 0.0
+        return Certificate(move.duration, 0.0, gap, (0.0,) * limits.order, rtol)
+    lower, terms = in_range(lambda: _bounds(move, abs(distance), limits, rtol))
     if not lower > 0.0:
-        return Certificate(trajectory.duration, 0.0, inf, (0.0,) * limits.order, rtol)
-    gap = max(trajectory.duration / lower - 1.0, 0.0)
-    return Certificate(trajectory.duration, lower, gap, _sensitivities(terms, limits), rtol)
+        return Certificate(move.duration, 0.0, inf, (0.0,) * limits.order, rtol)
+    gap = max(move.duration / lower - 1.0, 0.0)
+    return Certificate(move.duration, lower, gap, _sensitivities(terms, limits), rtol)
 
 
 def _check(trajectory: Trajectory, limits: Limits) -> None:
