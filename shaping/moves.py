@@ -7,7 +7,7 @@ from typing import Literal
 
 from .. import core
 from .checks import finite, one_of, positive, whole
-from .closed_form import chain_plan
+from .closed_form import chain_form
 from .closed_moves import (
     check_kept,
     fastest,
@@ -163,7 +163,7 @@ def recursive_s_curve(distance: float, limits: Limits, *, start: float = 0.0) ->
     def plan(length: float, forward: Limits) -> Trajectory:
         bounds = magnitudes(forward)
         move = within_range(
-            lambda: to_trajectory(chain_plan(length, bounds, forward.order - 1).build())
+            lambda: to_trajectory(chain_form(length, bounds, forward.order - 1).build())
         )
         check_kept(move, forward)
         return move

@@ -63,7 +63,7 @@ class PiecewisePolynomial(Frozen):
         end_state: FloatArray,
         coasting: int | None = None,
     ) -> Self:
-        """Take over arrays known to be valid, without copy or check; for the shapers' use."""
+        """Take over arrays known to be valid, without copy or check."""
         trajectory = object.__new__(cls)
         trajectory._fill(breaks, states, durations, end_state, coasting)
         return trajectory

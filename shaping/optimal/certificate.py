@@ -14,8 +14,8 @@ from ..limits import Limits, of_one
 from ..pieces import FloatArray
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .bound_search import BoundSearch
-from .grids import graded_grid, with_touches
 from .half_problem import HalfProblem
+from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
 from .smoothing import lower_order, relative_width, truncated
 
@@ -66,7 +66,7 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
         R/2 ≤ L_n·∫|p| dt + Σ_k L_k·‖μ_k‖ = Σ_k c_k·L_k·(T/2)^k
 
     with p the costate that they give (weak duality); the root T is a lower bound. A linear
-    program proposes the multipliers, on grids refined until the gap is at most `rtol` or no
+    program proposes the multipliers, on meshes refined until the gap is at most `rtol` or no
     longer shrinks; the bound is then evaluated from them alone, in extended precision, with a
     margin for rounding. No error of the solver can make it wrong.
 
@@ -215,7 +215,7 @@ def _programmed(
         span=0.5 * (motion.duration if shorter is None else unit),
     )
     with np.errstate(all="ignore"):
-        nodes = graded_grid(shorter or motion, _CELLS)
+        nodes = graded_mesh(shorter or motion, _CELLS)
         nodes = with_touches(nodes, motion, problem.relevant(), search.span)
         fastest = min(trajectory.duration, motion.duration)
         search.run(nodes, fastest / unit, target)
