@@ -1071,44 +1071,33 @@ static int move_order_of(PyObject *object) {
     return order >= 1 && order <= 3 ? (int)order : 0;
 }
 
-/* Sides of the bounds of N moves, or of one for all; lower ones missing are those of the upper. */
-typedef struct {
-    const double *lower[3], *upper[3];
-    Py_ssize_t lower_steps[3], upper_steps[3];
-    int order, even;
-} Sides;
-
-static jounce_limits limits_at(const Sides *s, Py_ssize_t i) {
-    double bounds[6];
-    int k;
-    for (k = 0; k < s->order; k++) {
-        bounds[2 * k + 1] = s->upper[k][i * s->upper_steps[k]];
-        bounds[2 * k] = s->even ? -bounds[2 * k + 1] : s->lower[k][i * s->lower_steps[k]];
-    }
-    return limits_of(bounds, s->order);
+static jounce_column column_of(const Py_buffer *view, Py_ssize_t count) {
+    jounce_column column;
+    column.values = view->buf;
+    column.step = (size_t)step_of(view, 1, count);
+    return column;
 }
 
 /* Look into distances, durations, upper and lower bounds; how many views were taken, or 0. */
-static int look_into_moves(PyObject *const *args, Py_ssize_t count, Sides *s, Py_buffer *views) {
+static int look_into_moves(PyObject *const *args, Py_ssize_t count, jounce_columns *bounds,
+                           Py_buffer *views) {
     Wanted wanted[8];
-    int k, sides = 2 + (s->even ? s->order : 2 * s->order);
+    int k, n = bounds->order, sides = 2 + (bounds->even ? n : 2 * n);
     wanted[0] = doubles_for_all(args[1], 1, count);
     wanted[1] = room(args[4], count);
-    for (k = 0; k < s->order; k++) {
+    for (k = 0; k < n; k++) {
         wanted[2 + k] = doubles_for_all(PyTuple_GetItem(args[3], k), 1, count);
-        if (!s->even) {
-            wanted[2 + s->order + k] = doubles_for_all(PyTuple_GetItem(args[2], k), 1, count);
+        if (!bounds->even) {
+            wanted[2 + n + k] = doubles_for_all(PyTuple_GetItem(args[2], k), 1, count);
         }
     }
     if (!look_into(wanted, sides, views)) {
         return 0;
     }
-    for (k = 0; k < s->order; k++) {
-        s->upper[k] = views[2 + k].buf;
-        s->upper_steps[k] = step_of(&views[2 + k], 1, count);
-        if (!s->even) {
-            s->lower[k] = views[2 + s->order + k].buf;
-            s->lower_steps[k] = step_of(&views[2 + s->order + k], 1, count);
+    for (k = 0; k < n; k++) {
+        bounds->upper[k] = column_of(&views[2 + k], count);
+        if (!bounds->even) {
+            bounds->lower[k] = column_of(&views[2 + n + k], count);
         }
     }
     return sides;
@@ -1120,39 +1109,33 @@ static int is_tuple_of(PyObject *object, Py_ssize_t count) {
 
 static PyObject *move_durations(PyObject *module, PyObject *const *args, Py_ssize_t given) {
     Py_buffer views[8];
-    Py_ssize_t count, step, i;
-    const double *distances;
-    double *durations;
-    Sides s;
+    Py_ssize_t count;
+    jounce_column distances;
+    jounce_columns bounds;
     int taken;
     (void)module;
     if (!expect(given, 5, "move_durations(order, distances, lower, upper, durations)")) {
         return NULL;
     }
-    s.order = move_order_of(args[0]);
-    s.even = args[2] == Py_None;
-    count = s.order != 0 ? PyObject_Size(args[4]) : -1;
+    bounds.order = move_order_of(args[0]);
+    bounds.even = args[2] == Py_None;
+    count = bounds.order != 0 ? PyObject_Size(args[4]) : -1;
     if (count < 0) {
         return NULL;
     }
-    if (!is_tuple_of(args[3], s.order) || !(s.even || is_tuple_of(args[2], s.order))) {
+    if (!is_tuple_of(args[3], bounds.order) ||
+        !(bounds.even || is_tuple_of(args[2], bounds.order))) {
         PyErr_SetString(PyExc_TypeError, "move_durations: expected tuples of as many bounds as the "
                                          "order says");
         return NULL;
     }
-    taken = look_into_moves(args, count, &s, views);
+    taken = look_into_moves(args, count, &bounds, views);
     if (taken == 0) {
         return NULL;
     }
-    distances = views[0].buf;
-    durations = views[1].buf;
-    step = step_of(&views[0], 1, count);
+    distances = column_of(&views[0], count);
     Py_BEGIN_ALLOW_THREADS
-    for (i = 0; i < count; i++) {
-        jounce_limits limits = limits_at(&s, i);
-        double distance = distances[i * step];
-        durations[i] = distance == 0.0 ? 0.0 : jounce_move_duration(distance, &limits);
-    }
+    jounce_move_durations(&distances, &bounds, (size_t)count, views[1].buf);
     Py_END_ALLOW_THREADS
     release(views, taken);
     Py_RETURN_NONE;

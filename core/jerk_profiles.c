@@ -356,17 +356,29 @@ static inline double steepness(const jounce_family *f, int kind, const Point *at
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
+/* How far a quadratic goes to zero, which is `error` with derivative `slope` here and has the other
+ * sign a `step` away. */
+static inline double quadratic_step(double step, double error, double slope, double other_error) {
+    double rise = (other_error - error) / step, bend = (rise - slope) / step;
+    double root = square_root(larger(slope * slope - 4.0 * bend * error, 0.0));
+    return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
+}
+
 /* The profile between two points at which the distance errs either way: Newton's iteration, which
- * ends where the curvature seen tells that its next step leaves nothing but rounding. */
+ * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
+ * bounds are held the distance is a quadratic of the parameter. */
 static jounce_profile between(const jounce_family *f, int kind, const Point *first,
                               const Point *last) {
     double low = smaller(first->s, last->s), high = larger(first->s, last->s);
+    double step = last->s - first->s, steep_before = steepness(f, kind, first), moved;
     int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
-    double following = first->s + step_to_zero(last->s - first->s, first->error,
-                                               steepness(f, kind, first), last->error,
-                                               steepness(f, kind, last));
-    double moved = 0.0, steep_before = 0.0;
+    double following =
+        first->s + (kind == BOTH ? quadratic_step(step, first->error, steep_before, last->error)
+                                 : step_to_zero(step, first->error, steep_before, last->error,
+                                                steepness(f, kind, last)));
     Point at;
+    following = clamp(following, low, high);
+    moved = following - first->s;
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;
         at.s = following;
@@ -387,8 +399,10 @@ static jounce_profile between(const jounce_family *f, int kind, const Point *fir
             if (following == low || following == high) {
                 break;
             }
-        } else if (i > 0) {
-            double step = following - at.s, bend = (steep - steep_before) * step * step;
+        } else if (i > 0 || kind == BOTH) {
+            double bend;
+            step = following - at.s;
+            bend = (steep - steep_before) * step * step;
             if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
                 return member(f, kind, following);
             }

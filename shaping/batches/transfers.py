@@ -166,4 +166,4 @@ def _states(name: str, given: ArrayLike, order: int) -> FloatArray:
         raise ValueError(
             f"{name} of shape {states.shape}: expected (N, {order}) or ({order},), position first"
         )
-    return np.pad(states, [(0, 0)] * (states.ndim - 1) + [(0, missing)])
+    return np.pad(states, [(0, 0)] * (states.ndim - 1) + [(0, missing)]) if missing else states
