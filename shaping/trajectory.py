@@ -105,14 +105,6 @@ class Trajectory(Frozen):
         trajectory._fill(breaks, states, durations, end_state, coasting)
         return trajectory
 
-    @classmethod
-    def of_motion(cls, motion: core.Motion) -> Self:
-        """Return a motion of the core; its arrays are made when they are asked for."""
-        trajectory = object.__new__(cls)
-        fields = trajectory.__dict__  # the way around `frozen`
-        fields["_motion"], fields["coasting"] = motion, 1 if motion.order > 1 else 0
-        return trajectory
-
     def __getattr__(self, name: str) -> Any:
         motion = self.__dict__.get("_motion")
         if motion is None or name not in _ARRAYS:

@@ -34,15 +34,6 @@ class Transfer(Trajectory):
     limits: Limits | None = None
     inside_after: float = 0.0
 
-    @classmethod
-    def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
-        """Return a motion of the core, planned with limits."""
-        transfer = object.__new__(cls)
-        fields = transfer.__dict__  # the way around `frozen`
-        fields["_motion"], fields["coasting"], fields["limits"] = motion, 1, limits
-        fields["inside_after"] = motion.inside_after
-        return transfer
-
     @property
     def trajectory(self) -> Trajectory:
         """The motion alone, which knows of no limits."""
@@ -74,11 +65,11 @@ class Problem:
 
     def fastest(self) -> Transfer:
         """Return the minimum-time transfer."""
-        return self._transfer(core.transfer(*self._arguments))
+        return self._there(core.transfer(*self._arguments, Transfer, self.limits))
 
     def change_of_velocity(self) -> Transfer:
         """Return the fastest change to the end's velocity and acceleration."""
-        return self._transfer(core.velocity_transfer(*self._arguments))
+        return self._there(core.velocity_transfer(*self._arguments, Transfer, self.limits))
 
     def possible_durations(self) -> list[tuple[float, float]]:
         """Return the intervals of durations that a transfer can take."""
@@ -86,12 +77,13 @@ class Problem:
 
     def lasting(self, duration: float) -> Transfer:
         """Return a transfer of a given duration, one of those possible."""
-        return self._transfer(core.transfer_lasting(*self._arguments, duration))
+        found = core.transfer_lasting(*self._arguments, duration, Transfer, self.limits)
+        return self._there(found)
 
-    def _transfer(self, motion: core.Motion | int) -> Transfer:
-        if not isinstance(motion, int):
-            return Transfer.of(motion, self.limits)
-        if motion == core.RANGE or self.end[2] == 0.0:  # such an end can be reached
+    def _there(self, found: Transfer | int) -> Transfer:
+        if not isinstance(found, int):
+            return found
+        if found == core.RANGE or self.end[2] == 0.0:  # such an end can be reached
             raise range_error()
         raise unreachable(*self.end[1:], self.limits)
 
