@@ -11,7 +11,12 @@ from .real_numbers import real_array
 
 def finite_array(name: str, values: ArrayLike | None) -> FloatArray:
     """Return a copy as an array of floats; ValueError unless all are finite."""
-    array = np.array(real_array(name, values))
+    return finite_numbers(name, values).copy()
+
+
+def finite_numbers(name: str, values: ArrayLike | None) -> FloatArray:
+    """Return the same, but an array of floats as it is."""
+    array = real_array(name, values)
     finite = np.isfinite(array)
     if not finite.all():
         first = np.argwhere(~finite)[0]
