@@ -18,6 +18,7 @@ typedef struct {
     PyObject *empty, *asarray, *ndarray, *number; /* numpy's; the last one float64 */
     PyObject *convert;                             /* {"order": "C"} */
     PyObject *pieces, *motion, *follower;          /* types */
+    PyObject *of_motion, *of_coasting, *of_limits, *of_inside_after, *of_flat; /* attributes */
 } State;
 
 #define FAST(function) ((PyCFunction)(void (*)(void))(function))
@@ -32,12 +33,17 @@ static void let_go(PyObject *self) {
     Py_DECREF(type);
 }
 
-static int expect(Py_ssize_t given, Py_ssize_t count, const char *signature) {
-    if (given == count) {
+static int expect_or(Py_ssize_t given, Py_ssize_t count, Py_ssize_t or_count,
+                     const char *signature) {
+    if (given == count || given == or_count) {
         return 1;
     }
     PyErr_Format(PyExc_TypeError, "%s: got %zd arguments", signature, given);
     return 0;
+}
+
+static int expect(Py_ssize_t given, Py_ssize_t count, const char *signature) {
+    return expect_or(given, count, count, signature);
 }
 
 /* --- buffers ---------------------------------------------------------------------------------- */
@@ -682,15 +688,8 @@ static int problem_of(PyObject *const *args, Problem *p) {
     return 1;
 }
 
-/* A Motion where there is one, else the status. */
-static PyObject *motion_or_status(PyObject *module, int order, const jounce_motion *motion,
-                                  jounce_status status) {
-    State *state = PyModule_GetState(module);
-    Motion *self;
-    if (status != JOUNCE_OK) {
-        return PyLong_FromLong((long)status);
-    }
-    self = (Motion *)PyType_GenericAlloc((PyTypeObject *)state->motion, motion->count);
+static PyObject *new_motion(State *state, int order, const jounce_motion *motion) {
+    Motion *self = (Motion *)PyType_GenericAlloc((PyTypeObject *)state->motion, motion->count);
     if (self != NULL) {
         self->order = order;
         memcpy(&self->motion, motion, offsetof(jounce_motion, pieces) +
@@ -699,26 +698,76 @@ static PyObject *motion_or_status(PyObject *module, int order, const jounce_moti
     return (PyObject *)self;
 }
 
-static PyObject *transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+/* Put `value`, a new reference, into an object whose class forbids assignment. */
+static int put(PyObject *object, PyObject *name, PyObject *value) {
+    int done = value != NULL && PyObject_GenericSetAttr(object, name, value) == 0;
+    Py_XDECREF(value);
+    return done;
+}
+
+/* An object of a class of trajectories that holds a motion, a new reference, and its limits, if
+ * there are any: made here, as its own constructor takes longer than the planner. */
+static PyObject *new_trajectory(State *state, PyObject *type, PyObject *motion, PyObject *limits) {
+    const Motion *held = (Motion *)motion;
+    PyObject *self = NULL;
+    if (motion != NULL && PyType_Check(type)) {
+        self = PyType_GenericNew((PyTypeObject *)type, NULL, NULL);
+    }
+    if (self == NULL) {
+        Py_XDECREF(motion);
+        if (!PyErr_Occurred()) {
+            PyErr_SetString(PyExc_TypeError, "expected a class of trajectories");
+        }
+        return NULL;
+    }
+    if (!put(self, state->of_motion, motion) ||
+        !put(self, state->of_coasting, PyLong_FromLong(held->order > 1)) ||
+        (limits != Py_None && !put(self, state->of_limits, Py_NewRef(limits))) ||
+        (held->motion.inside_after > 0.0 &&
+         !put(self, state->of_inside_after, PyFloat_FromDouble(held->motion.inside_after)))) {
+        Py_CLEAR(self);
+    }
+    return self;
+}
+
+/* What came of planning: the status where there is no motion, else a Motion, or a trajectory that
+ * holds it where `type` and `limits` follow. */
+static PyObject *planned(PyObject *module, int order, const jounce_motion *motion,
+                         jounce_status status, PyObject *const *type_and_limits) {
+    State *state = PyModule_GetState(module);
+    PyObject *found;
+    if (status != JOUNCE_OK) {
+        return PyLong_FromLong((long)status);
+    }
+    found = new_motion(state, order, motion);
+    return type_and_limits == NULL
+               ? found
+               : new_trajectory(state, type_and_limits[0], found, type_and_limits[1]);
+}
+
+typedef jounce_status (*Planner)(const jounce_state *start, const jounce_state *end,
+                                 const jounce_limits *limits, jounce_motion *motion);
+
+static PyObject *plan(PyObject *module, PyObject *const *args, Py_ssize_t count, Planner planner,
+                      const char *signature) {
     Problem p;
     jounce_motion motion;
     jounce_status status;
-    if (!expect(count, 3, "transfer(start, end, bounds)") || !problem_of(args, &p)) {
+    if (!expect_or(count, 3, 5, signature) || !problem_of(args, &p)) {
         return NULL;
     }
-    status = jounce_transfer(&p.start, &p.end, &p.limits, &motion);
-    return motion_or_status(module, p.order, &motion, status);
+    status = planner(&p.start, &p.end, &p.limits, &motion);
+    return planned(module, p.order, &motion, status, count > 3 ? args + 3 : NULL);
+}
+
+static PyObject *transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
+    return plan(module, args, count, jounce_transfer,
+                "transfer(start, end, bounds[, type, limits])");
 }
 
 static PyObject *velocity_transfer(PyObject *module, PyObject *const *args, Py_ssize_t count) {
-    Problem p;
-    jounce_motion motion;
-    jounce_status status;
-    if (!expect(count, 3, "velocity_transfer(start, end, bounds)") || !problem_of(args, &p)) {
-        return NULL;
-    }
-    status = jounce_velocity_transfer(&p.start, &p.end, &p.limits, &motion);
-    return motion_or_status(module, p.order, &motion, status);
+    return plan(module, args, count, jounce_velocity_transfer,
+                "velocity_transfer(start, end, bounds[, type, limits])");
 }
 
 static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ssize_t count) {
@@ -726,7 +775,7 @@ static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ss
     jounce_motion motion;
     jounce_status status;
     double duration;
-    if (!expect(count, 4, "transfer_lasting(start, end, bounds, duration)") ||
+    if (!expect_or(count, 4, 6, "transfer_lasting(start, end, bounds, duration[, type, limits])") ||
         !problem_of(args, &p) || !one_number(args[3], &duration)) {
         return NULL;
     }
@@ -735,7 +784,7 @@ static PyObject *transfer_lasting(PyObject *module, PyObject *const *args, Py_ss
         return NULL;
     }
     status = jounce_transfer_lasting(&p.start, &p.end, &p.limits, duration, &motion);
-    return motion_or_status(module, p.order, &motion, status);
+    return planned(module, p.order, &motion, status, count > 4 ? args + 4 : NULL);
 }
 
 static PyObject *possible_durations(PyObject *module, PyObject *const *args, Py_ssize_t count) {
@@ -775,54 +824,97 @@ static jounce_state start_of(const jounce_motion *motion) {
     return start;
 }
 
-static const jounce_motion *motion_at(PyObject *motions, Py_ssize_t i) {
-    return &((Motion *)PyTuple_GetItem(motions, i))->motion;
+/* Transfers of Python: their motions and limits, in references of their own. */
+typedef struct {
+    PyObject *given[MOST_AXES], *motions[MOST_AXES], *limits[MOST_AXES];
+    jounce_limits bounds[MOST_AXES];
+    int count;
+} Axes;
+
+static void let_axes_go(Axes *axes) {
+    while (axes->count > 0) {
+        axes->count--;
+        Py_XDECREF(axes->motions[axes->count]);
+        Py_XDECREF(axes->limits[axes->count]);
+    }
 }
 
-/* The longest duration of some motions. */
-static double longest(PyObject *motions, Py_ssize_t axes) {
+static const jounce_motion *motion_of(const Axes *axes, int i) {
+    return &((Motion *)axes->motions[i])->motion;
+}
+
+/* The attributes of a trajectory that holds a Motion, planned with limits; 0 with an error set. */
+static int take_axis(State *state, PyObject *given, PyObject *type, Axes *axes) {
+    PyObject *flat = NULL;
+    int i, done;
+    if ((PyObject *)Py_TYPE(given) != type) {
+        PyErr_SetString(PyExc_TypeError, "together: another type");
+        return 0;
+    }
+    i = axes->count++;
+    axes->given[i] = given;
+    axes->motions[i] = PyObject_GenericGetAttr(given, state->of_motion);
+    axes->limits[i] = axes->motions[i] != NULL ? PyObject_GenericGetAttr(given, state->of_limits)
+                                               : NULL;
+    if (axes->limits[i] != NULL) {
+        flat = PyObject_GenericGetAttr(axes->limits[i], state->of_flat);
+    }
+    done = flat != NULL && plain_limits(flat, 2, &axes->bounds[i]) != 0;
+    Py_XDECREF(flat);
+    if (done && !PyObject_TypeCheck(axes->motions[i], (PyTypeObject *)state->motion)) {
+        PyErr_SetString(PyExc_TypeError, "together: no Motion");
+        return 0;
+    }
+    return done;
+}
+
+/* The shortest duration that all axes can take. */
+static double common_duration(const Axes *axes) {
+    jounce_durations possible[MOST_AXES];
+    int i;
+    for (i = 0; i < axes->count; i++) {
+        const jounce_motion *motion = motion_of(axes, i);
+        jounce_state start = start_of(motion);
+        jounce_possible_durations(&start, &motion->end, &axes->bounds[i], &possible[i]);
+    }
+    return jounce_common_duration(possible, axes->count);
+}
+
+/* The longest duration of the motions as they are. */
+static double longest(const Axes *axes) {
     double duration = 0.0;
-    Py_ssize_t i;
-    for (i = 0; i < axes; i++) {
-        double own = motion_at(motions, i)->duration;
+    int i;
+    for (i = 0; i < axes->count; i++) {
+        double own = motion_of(axes, i)->duration;
         duration = own > duration ? own : duration;
     }
     return duration;
 }
 
-/* The shortest duration that all axes can take. */
-static double common_duration(PyObject *motions, const jounce_limits *limits, Py_ssize_t axes) {
-    jounce_durations possible[MOST_AXES];
-    Py_ssize_t i;
-    for (i = 0; i < axes; i++) {
-        const jounce_motion *motion = motion_at(motions, i);
-        jounce_state start = start_of(motion);
-        jounce_possible_durations(&start, &motion->end, &limits[i], &possible[i]);
-    }
-    return jounce_common_duration(possible, (int)axes);
-}
-
-static PyObject *lasting_or_status(PyObject *module, Motion *given, const jounce_limits *limits,
-                                   double duration) {
-    jounce_state start = start_of(&given->motion);
+/* An axis slowed down to a duration: itself where it takes that long, or the status. */
+static PyObject *one_lasting(PyObject *module, PyObject *type, const Axes *axes, int i,
+                             double duration) {
+    const jounce_motion *given = motion_of(axes, i);
+    jounce_state start = start_of(given);
+    PyObject *type_and_limits[2];
     jounce_motion motion;
     jounce_status status;
-    if (given->motion.duration >= duration * (1.0 - 16.0 * 2.220446049250313e-16)) {
-        Py_INCREF((PyObject *)given);
-        return (PyObject *)given;
+    if (given->duration >= duration * (1.0 - 16.0 * 2.220446049250313e-16)) {
+        Py_INCREF(axes->given[i]);
+        return axes->given[i];
     }
-    status = jounce_transfer_lasting(&start, &given->motion.end, limits, duration, &motion);
-    return motion_or_status(module, given->order, &motion, status);
+    type_and_limits[0] = type;
+    type_and_limits[1] = axes->limits[i];
+    status = jounce_transfer_lasting(&start, &given->end, &axes->bounds[i], duration, &motion);
+    return planned(module, ((Motion *)axes->motions[i])->order, &motion, status, type_and_limits);
 }
 
-/* The motions of a given duration, or the status of one that cannot take it. */
-static PyObject *all_lasting(PyObject *module, PyObject *motions, const jounce_limits *limits,
-                             double duration) {
-    Py_ssize_t axes = PyTuple_Size(motions), i;
-    PyObject *result = PyTuple_New(axes);
-    for (i = 0; result != NULL && i < axes; i++) {
-        PyObject *one = lasting_or_status(module, (Motion *)PyTuple_GetItem(motions, i),
-                                          &limits[i], duration);
+/* All axes slowed down to a duration, or the status of one that cannot take it. */
+static PyObject *all_lasting(PyObject *module, PyObject *type, const Axes *axes, double duration) {
+    PyObject *result = PyTuple_New(axes->count);
+    int i;
+    for (i = 0; result != NULL && i < axes->count; i++) {
+        PyObject *one = one_lasting(module, type, axes, i, duration);
         if (one == NULL || PyLong_Check(one)) {
             Py_DECREF(result);
             return one;
@@ -832,49 +924,39 @@ static PyObject *all_lasting(PyObject *module, PyObject *motions, const jounce_l
     return result;
 }
 
-/* Check motions and read the limits; 0 with an error set. */
-static int axes_of(PyObject *module, PyObject *motions, PyObject *bounds, jounce_limits *limits) {
-    State *state = PyModule_GetState(module);
-    Py_ssize_t axes, i;
-    if (!PyTuple_Check(motions) || !PyTuple_Check(bounds)) {
-        PyErr_SetString(PyExc_TypeError, "together(motions, bounds): expected two tuples");
-        return 0;
+/* Most axes can take the slowest one's time; which durations are possible is asked where not. */
+static PyObject *last_together(PyObject *module, PyObject *type, const Axes *axes) {
+    PyObject *result = all_lasting(module, type, axes, longest(axes));
+    double duration;
+    if (result == NULL || !PyLong_Check(result)) {
+        return result;
     }
-    axes = PyTuple_Size(motions);
-    if (axes > MOST_AXES || axes != PyTuple_Size(bounds)) {
-        PyErr_SetString(PyExc_ValueError, "together: too many axes, or not as many bounds");
-        return 0;
-    }
-    for (i = 0; i < axes; i++) {
-        if (!PyObject_TypeCheck(PyTuple_GetItem(motions, i), (PyTypeObject *)state->motion)) {
-            PyErr_SetString(PyExc_TypeError, "together: expected Motions");
-            return 0;
-        }
-        if (plain_limits(PyTuple_GetItem(bounds, i), 2, &limits[i]) == 0) {
-            return 0;
-        }
-    }
-    return 1;
+    Py_DECREF(result);
+    duration = common_duration(axes);
+    return is_number(duration) ? all_lasting(module, type, axes, duration)
+                               : PyLong_FromLong((long)JOUNCE_NO_DURATION);
 }
 
-/* Most axes can take the slowest one's time; which durations are possible is asked where not. */
 static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t count) {
-    jounce_limits limits[MOST_AXES];
-    Py_ssize_t axes;
-    double duration;
-    PyObject *result;
-    if (!expect(count, 2, "together(motions, bounds)") ||
-        !axes_of(module, args[0], args[1], limits)) {
+    State *state = PyModule_GetState(module);
+    PyObject *result = NULL;
+    Axes axes;
+    Py_ssize_t given, i;
+    if (!expect(count, 2, "together(transfers, type)")) {
         return NULL;
     }
-    axes = PyTuple_Size(args[0]);
-    result = all_lasting(module, args[0], limits, longest(args[0], axes));
-    if (result != NULL && PyLong_Check(result)) {
-        Py_DECREF(result);
-        duration = common_duration(args[0], limits, axes);
-        result = is_number(duration) ? all_lasting(module, args[0], limits, duration)
-                                     : PyLong_FromLong((long)JOUNCE_NO_DURATION);
+    given = PyTuple_Check(args[0]) ? PyTuple_Size(args[0]) : -1;
+    if (given < 0 || given > MOST_AXES) {
+        PyErr_Format(PyExc_ValueError, "together: expected a tuple of at most %d", MOST_AXES);
+        return NULL;
     }
+    axes.count = 0;
+    for (i = 0; i < given && take_axis(state, PyTuple_GetItem(args[0], i), args[1], &axes); i++) {
+    }
+    if (i == given) {
+        result = last_together(module, args[1], &axes);
+    }
+    let_axes_go(&axes);
     return result;
 }
 
@@ -1071,44 +1153,33 @@ static int move_order_of(PyObject *object) {
     return order >= 1 && order <= 3 ? (int)order : 0;
 }
 
-/* Sides of the bounds of N moves, or of one for all; lower ones missing are those of the upper. */
-typedef struct {
-    const double *lower[3], *upper[3];
-    Py_ssize_t lower_steps[3], upper_steps[3];
-    int order, even;
-} Sides;
-
-static jounce_limits limits_at(const Sides *s, Py_ssize_t i) {
-    double bounds[6];
-    int k;
-    for (k = 0; k < s->order; k++) {
-        bounds[2 * k + 1] = s->upper[k][i * s->upper_steps[k]];
-        bounds[2 * k] = s->even ? -bounds[2 * k + 1] : s->lower[k][i * s->lower_steps[k]];
-    }
-    return limits_of(bounds, s->order);
+static jounce_column column_of(const Py_buffer *view, Py_ssize_t count) {
+    jounce_column column;
+    column.values = view->buf;
+    column.step = (size_t)step_of(view, 1, count);
+    return column;
 }
 
 /* Look into distances, durations, upper and lower bounds; how many views were taken, or 0. */
-static int look_into_moves(PyObject *const *args, Py_ssize_t count, Sides *s, Py_buffer *views) {
+static int look_into_moves(PyObject *const *args, Py_ssize_t count, jounce_columns *bounds,
+                           Py_buffer *views) {
     Wanted wanted[8];
-    int k, sides = 2 + (s->even ? s->order : 2 * s->order);
+    int k, n = bounds->order, sides = 2 + (bounds->even ? n : 2 * n);
     wanted[0] = doubles_for_all(args[1], 1, count);
     wanted[1] = room(args[4], count);
-    for (k = 0; k < s->order; k++) {
+    for (k = 0; k < n; k++) {
         wanted[2 + k] = doubles_for_all(PyTuple_GetItem(args[3], k), 1, count);
-        if (!s->even) {
-            wanted[2 + s->order + k] = doubles_for_all(PyTuple_GetItem(args[2], k), 1, count);
+        if (!bounds->even) {
+            wanted[2 + n + k] = doubles_for_all(PyTuple_GetItem(args[2], k), 1, count);
         }
     }
     if (!look_into(wanted, sides, views)) {
         return 0;
     }
-    for (k = 0; k < s->order; k++) {
-        s->upper[k] = views[2 + k].buf;
-        s->upper_steps[k] = step_of(&views[2 + k], 1, count);
-        if (!s->even) {
-            s->lower[k] = views[2 + s->order + k].buf;
-            s->lower_steps[k] = step_of(&views[2 + s->order + k], 1, count);
+    for (k = 0; k < n; k++) {
+        bounds->upper[k] = column_of(&views[2 + k], count);
+        if (!bounds->even) {
+            bounds->lower[k] = column_of(&views[2 + n + k], count);
         }
     }
     return sides;
@@ -1120,39 +1191,33 @@ static int is_tuple_of(PyObject *object, Py_ssize_t count) {
 
 static PyObject *move_durations(PyObject *module, PyObject *const *args, Py_ssize_t given) {
     Py_buffer views[8];
-    Py_ssize_t count, step, i;
-    const double *distances;
-    double *durations;
-    Sides s;
+    Py_ssize_t count;
+    jounce_column distances;
+    jounce_columns bounds;
     int taken;
     (void)module;
     if (!expect(given, 5, "move_durations(order, distances, lower, upper, durations)")) {
         return NULL;
     }
-    s.order = move_order_of(args[0]);
-    s.even = args[2] == Py_None;
-    count = s.order != 0 ? PyObject_Size(args[4]) : -1;
+    bounds.order = move_order_of(args[0]);
+    bounds.even = args[2] == Py_None;
+    count = bounds.order != 0 ? PyObject_Size(args[4]) : -1;
     if (count < 0) {
         return NULL;
     }
-    if (!is_tuple_of(args[3], s.order) || !(s.even || is_tuple_of(args[2], s.order))) {
+    if (!is_tuple_of(args[3], bounds.order) ||
+        !(bounds.even || is_tuple_of(args[2], bounds.order))) {
         PyErr_SetString(PyExc_TypeError, "move_durations: expected tuples of as many bounds as the "
                                          "order says");
         return NULL;
     }
-    taken = look_into_moves(args, count, &s, views);
+    taken = look_into_moves(args, count, &bounds, views);
     if (taken == 0) {
         return NULL;
     }
-    distances = views[0].buf;
-    durations = views[1].buf;
-    step = step_of(&views[0], 1, count);
+    distances = column_of(&views[0], count);
     Py_BEGIN_ALLOW_THREADS
-    for (i = 0; i < count; i++) {
-        jounce_limits limits = limits_at(&s, i);
-        double distance = distances[i * step];
-        durations[i] = distance == 0.0 ? 0.0 : jounce_move_duration(distance, &limits);
-    }
+    jounce_move_durations(&distances, &bounds, (size_t)count, views[1].buf);
     Py_END_ALLOW_THREADS
     release(views, taken);
     Py_RETURN_NONE;
@@ -1415,8 +1480,8 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
     double distance, start;
     jounce_motion motion;
     int order, i;
-    if (!expect(count, 3, "move(distance, bounds, start)") || !one_number(args[0], &distance) ||
-        !one_number(args[2], &start)) {
+    if (!expect_or(count, 3, 5, "move(distance, bounds, start[, type, limits])") ||
+        !one_number(args[0], &distance) || !one_number(args[2], &start)) {
         return NULL;
     }
     if (!is_number(distance) || !is_number(start) || !is_number(start + distance)) {
@@ -1432,7 +1497,7 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
         motion.pieces[i].x += start;
     }
     motion.end.x = start + distance;
-    return motion_or_status(module, order, &motion, status);
+    return planned(module, order, &motion, status, count > 3 ? args + 3 : NULL);
 }
 
 /* --- followers ---------------------------------------------------------------------------------- */
@@ -1717,23 +1782,24 @@ static PyMethodDef functions[] = {
      "advance_lags(lags, motion, tau, omega)\n--\n\nReturn lags a time tau after the motion had "
      "the derivatives 0, 1, … given."},
     {"move", FAST(move), METH_FASTCALL,
-     "move(distance, bounds, start)\n--\n\nReturn the fastest Motion from rest to rest, or the "
-     "status."},
+     "move(distance, bounds, start[, type, limits])\n--\n\nReturn the fastest Motion from rest to "
+     "rest, or the status; an object of the type that holds the Motion, and the limits, where these "
+     "are given."},
     {"transfer", FAST(transfer), METH_FASTCALL,
-     "transfer(start, end, bounds)\n--\n\nReturn the fastest Motion between two states, or the "
-     "status that says why there is none."},
+     "transfer(start, end, bounds[, type, limits])\n--\n\nReturn the fastest Motion between two "
+     "states, or the status that says why there is none; an object as `move` does."},
     {"velocity_transfer", FAST(velocity_transfer), METH_FASTCALL,
-     "velocity_transfer(start, end, bounds)\n--\n\nReturn the fastest Motion to the velocity and "
-     "acceleration of `end`, or the status."},
+     "velocity_transfer(start, end, bounds[, type, limits])\n--\n\nReturn the fastest Motion to the "
+     "velocity and acceleration of `end`, or the status; an object as `move` does."},
     {"transfer_lasting", FAST(transfer_lasting), METH_FASTCALL,
-     "transfer_lasting(start, end, bounds, duration)\n--\n\nReturn a Motion of a given duration, "
-     "or the status."},
+     "transfer_lasting(start, end, bounds, duration[, type, limits])\n--\n\nReturn a Motion of a "
+     "given duration, or the status; an object as `move` does."},
     {"possible_durations", FAST(possible_durations), METH_FASTCALL,
      "possible_durations(start, end, bounds)\n--\n\nReturn the durations that a transfer can "
      "take, as pairs (low, high); none where the end cannot be reached."},
     {"together", FAST(together), METH_FASTCALL,
-     "together(motions, bounds)\n--\n\nReturn Motions of the shortest duration that all axes can "
-     "take, or the status."},
+     "together(transfers, type)\n--\n\nReturn objects that hold Motions, and limits, slowed down to "
+     "the shortest duration that all can take, or the status."},
     {"transfers", FAST(transfers), METH_FASTCALL,
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
@@ -1793,9 +1859,16 @@ static int execute(PyObject *module) {
     state->ndarray = PyObject_GetAttrString(numpy, "ndarray");
     state->number = PyObject_CallMethod(numpy, "dtype", "s", "d");
     state->convert = Py_BuildValue("{ss}", "order", "C");
+    state->of_motion = PyUnicode_InternFromString("_motion");
+    state->of_coasting = PyUnicode_InternFromString("coasting");
+    state->of_limits = PyUnicode_InternFromString("limits");
+    state->of_inside_after = PyUnicode_InternFromString("inside_after");
+    state->of_flat = PyUnicode_InternFromString("flat");
     Py_DECREF(numpy);
     if (state->empty == NULL || state->asarray == NULL || state->ndarray == NULL ||
-        state->number == NULL || state->convert == NULL) {
+        state->number == NULL || state->convert == NULL || state->of_motion == NULL ||
+        state->of_coasting == NULL || state->of_limits == NULL ||
+        state->of_inside_after == NULL || state->of_flat == NULL) {
         return -1;
     }
     return add_types(module, state) && add_constants(module) ? 0 : -1;
@@ -1816,6 +1889,11 @@ static int traverse(PyObject *module, visitproc visit, void *arg) {
 
 static int clear(PyObject *module) {
     State *state = PyModule_GetState(module);
+    Py_CLEAR(state->of_motion);
+    Py_CLEAR(state->of_coasting);
+    Py_CLEAR(state->of_limits);
+    Py_CLEAR(state->of_inside_after);
+    Py_CLEAR(state->of_flat);
     Py_CLEAR(state->empty);
     Py_CLEAR(state->asarray);
     Py_CLEAR(state->ndarray);

@@ -1,6 +1,6 @@
 """The core in C, as `binding.c` shows it to Python."""
 
-from typing import final
+from typing import TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 StatusArray = NDArray[np.int8]
 Numbers = tuple[float, ...] | list[float]
+_T = TypeVar("_T")
 
 OK: int
 UNREACHABLE: int
@@ -71,18 +72,47 @@ def bounds(
 def advance_lags(
     lags: Numbers, motion: Numbers, tau: float, omega: float, /
 ) -> tuple[float, ...]: ...
+@overload
 def move(distance: float, bounds: Numbers, start: float, /) -> Motion | int: ...
+@overload
+def move(
+    distance: float, bounds: Numbers, start: float, type: type[_T], limits: object, /
+) -> _T | int: ...
+@overload
 def transfer(start: Numbers | float, end: Numbers | float, bounds: Numbers, /) -> Motion | int: ...
+@overload
+def transfer(
+    start: Numbers | float,
+    end: Numbers | float,
+    bounds: Numbers,
+    type: type[_T],
+    limits: object,
+    /,
+) -> _T | int: ...
+@overload
 def velocity_transfer(start: Numbers | float, end: Numbers, bounds: Numbers, /) -> Motion | int: ...
+@overload
+def velocity_transfer(
+    start: Numbers | float, end: Numbers, bounds: Numbers, type: type[_T], limits: object, /
+) -> _T | int: ...
+@overload
 def transfer_lasting(
     start: Numbers, end: Numbers, bounds: Numbers, duration: float, /
 ) -> Motion | int: ...
+@overload
+def transfer_lasting(
+    start: Numbers,
+    end: Numbers,
+    bounds: Numbers,
+    duration: float,
+    type: type[_T],
+    limits: object,
+    /,
+) -> _T | int: ...
 def possible_durations(
     start: Numbers, end: Numbers, bounds: Numbers, /
 ) -> tuple[tuple[float, float], ...]: ...
-def together(
-    motions: tuple[Motion, ...], bounds: tuple[Numbers, ...], /
-) -> tuple[Motion, ...] | int: ...
+def together(transfers: tuple[object, ...], type: type[_T], /) -> tuple[_T, ...] | int: ...
 def transfers(
     order: int,
     starts: FloatArray,

@@ -356,17 +356,29 @@ static inline double steepness(const jounce_family *f, int kind, const Point *at
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
+/* How far a quadratic goes to zero, which is `error` with derivative `slope` here and has the other
+ * sign a `step` away. */
+static inline double quadratic_step(double step, double error, double slope, double other_error) {
+    double rise = (other_error - error) / step, bend = (rise - slope) / step;
+    double root = square_root(larger(slope * slope - 4.0 * bend * error, 0.0));
+    return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
+}
+
 /* The profile between two points at which the distance errs either way: Newton's iteration, which
- * ends where the curvature seen tells that its next step leaves nothing but rounding. */
+ * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
+ * bounds are held the distance is a quadratic of the parameter. */
 static jounce_profile between(const jounce_family *f, int kind, const Point *first,
                               const Point *last) {
     double low = smaller(first->s, last->s), high = larger(first->s, last->s);
+    double step = last->s - first->s, steep_before = steepness(f, kind, first), moved;
     int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
-    double following = first->s + step_to_zero(last->s - first->s, first->error,
-                                               steepness(f, kind, first), last->error,
-                                               steepness(f, kind, last));
-    double moved = 0.0, steep_before = 0.0;
+    double following =
+        first->s + (kind == BOTH ? quadratic_step(step, first->error, steep_before, last->error)
+                                 : step_to_zero(step, first->error, steep_before, last->error,
+                                                steepness(f, kind, last)));
     Point at;
+    following = clamp(following, low, high);
+    moved = following - first->s;
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;
         at.s = following;
@@ -387,8 +399,10 @@ static jounce_profile between(const jounce_family *f, int kind, const Point *fir
             if (following == low || following == high) {
                 break;
             }
-        } else if (i > 0) {
-            double step = following - at.s, bend = (steep - steep_before) * step * step;
+        } else if (i > 0 || kind == BOTH) {
+            double bend;
+            step = following - at.s;
+            bend = (steep - steep_before) * step * step;
             if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
                 return member(f, kind, following);
             }
@@ -402,11 +416,15 @@ static jounce_profile between(const jounce_family *f, int kind, const Point *fir
     return at.profile;
 }
 
-/* Put the turning points inside an arc between its ends; returns the number of all marks. */
-static int marks_of(const jounce_family *f, const Arc *arc, double *marks) {
+/* Put the turning points inside an arc between its ends; returns the number of all marks. Where the
+ * acceleration crosses zero H grows with the duration, so that one that begins positive stays so. */
+static int marks_of(const jounce_family *f, const Arc *arc, const Point *first, double *marks) {
     double low = smaller(arc->first, arc->last), high = larger(arc->first, arc->last);
     double turns[2];
-    int n = turning_points(f, arc->kind, turns), count = 1, i;
+    int n = 0, count = 1, i;
+    if (first->slope < 0.0 || first->profile.p < 0.0 || first->profile.q > 0.0) {
+        n = turning_points(f, arc->kind, turns);
+    }
     marks[0] = arc->first;
     for (i = 0; i < n; i++) {
         if (low < turns[i] && turns[i] < high) {
@@ -430,36 +448,49 @@ static inline int are_same(const jounce_profile *a, const jounce_profile *b) {
            magnitude(a->hold - b->hold) <= slack && magnitude(a->dwell - b->dwell) <= slack;
 }
 
+/* The first point of an arc, of which the profile is given; `last` is that of the arc before. */
+static Point first_point(const jounce_family *f, const Arc *arc, const jounce_profile *profile,
+                         const Point *last) {
+    Point at = *last;
+    at.profile = *profile;
+    at.s = arc->first;
+    if (!are_same(&last->profile, profile)) {
+        measure(f, &at);
+    }
+    return at;
+}
+
+/* Keep the profile at a point, or between it and the point before. */
+static void keep_up_to(const jounce_family *f, int kind, const Point *before, Point *at,
+                       jounce_profiles *found) {
+    if (magnitude(at->error) <= 4.0 * ROUNDING * at->scale + f->blur) {
+        keep(&at->profile, found);
+        at->error = 0.0;
+    } else if (before->error * at->error < 0.0) {
+        jounce_profile profile = between(f, kind, before, at);
+        keep(&profile, found);
+    }
+}
+
 /* Keep the profiles of an arc of which the first member is given. `last` is that of the arc before,
  * and becomes that of this one. */
 static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile *first,
                    Point *last, jounce_profiles *found) {
     double marks[4];
-    int count = marks_of(f, arc, marks), i;
     Point points[2];
-    for (i = 0; i < count; i++) {
+    int count, i;
+    points[0] = first_point(f, arc, first, last);
+    keep_up_to(f, arc->kind, &points[0], &points[0], found);
+    count = marks_of(f, arc, &points[0], marks);
+    for (i = 1; i < count; i++) {
         Point *at = &points[i % 2], *before = &points[(i + 1) % 2];
-        double s = marks[i];
-        if (!is_finite(s) && !far_parameter(f, arc->kind, before->s, s, &s)) {
+        at->s = marks[i];
+        if (!is_finite(at->s) && !far_parameter(f, arc->kind, before->s, at->s, &at->s)) {
             return;
         }
-        if (i == 0 && are_same(&last->profile, first)) {
-            at->profile = *first;
-            at->error = last->error;
-            at->slope = last->slope;
-            at->scale = last->scale;
-        } else {
-            at->profile = i == 0 ? *first : member(f, arc->kind, s);
-            measure(f, at);
-        }
-        at->s = s;
-        if (magnitude(at->error) <= 4.0 * ROUNDING * at->scale + f->blur) {
-            keep(&at->profile, found);
-            at->error = 0.0;
-        } else if (i > 0 && before->error * at->error < 0.0) {
-            jounce_profile profile = between(f, arc->kind, before, at);
-            keep(&profile, found);
-        }
+        at->profile = member(f, arc->kind, at->s);
+        measure(f, at);
+        keep_up_to(f, arc->kind, before, at, found);
     }
     *last = points[(count - 1) % 2];
 }

@@ -106,6 +106,22 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
 /* Its duration alone, which costs less; NaN where there is no such move. */
 double jounce_move_duration(double distance, const jounce_limits *limits);
 
+/* Numbers of many problems; that of all where the step is zero. */
+typedef struct {
+    const double *values;
+    size_t step;
+} jounce_column;
+
+/* Their bounds on 1 to 3 derivatives, velocity first; even ones have no columns of lower bounds. */
+typedef struct {
+    int order, even;
+    jounce_column lower[3], upper[3];
+} jounce_columns;
+
+/* The durations of many moves, to the bit those of one. */
+void jounce_move_durations(const jounce_column *distances, const jounce_columns *bounds,
+                           size_t count, double *durations);
+
 /* --- followers (follower.c) ------------------------------------------------------------------ */
 
 typedef struct {

@@ -207,26 +207,46 @@ jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_m
     return jounce_finish(&p, &end, limits, motion);
 }
 
-static int moderate(double x) { return x == INFINITE || (x > 1e-60 && x < 1e60); }
+static inline int moderate(double x) { return x == INFINITE || (x > 1e-60 && x < 1e60); }
 
-/* The duration within bounds that are the same both ways; squares must not leave the range. */
-static double even_duration(double distance, const Bounds *b) {
-    double velocity = b->velocity, acceleration = b->up, jerk = b->rising, half;
-    double push = is_finite(jerk) ? acceleration / jerk : 0.0, hold = velocity / acceleration;
-    if (hold >= push) { /* the acceleration is reached before the velocity */
-        if (distance >= velocity * (hold + push)) {
-            return distance / velocity + hold + push;
-        }
-        if (distance >= 2.0 * acceleration * push * push) {
-            return push + square_root(push * push + 4.0 * distance / acceleration);
-        }
-    } else {
-        half = square_root(velocity / jerk);
-        if (distance >= 2.0 * velocity * half) {
-            return distance / velocity + 2.0 * half;
-        }
+/* Which bounds a move meets where they are the same both ways. */
+enum { MEETS_BOTH, MEETS_ACCELERATION, MEETS_VELOCITY, MEETS_NEITHER, OTHER };
+
+static inline double push_of(double acceleration, double jerk) {
+    return is_finite(jerk) ? acceleration / jerk : 0.0;
+}
+
+/* Cubes must not leave the range. All is compared before anything is chosen: there is nothing for
+ * the processor to guess. */
+static inline int form_of(double distance, double velocity, double acceleration, double jerk) {
+    double push = push_of(acceleration, jerk), hold = velocity / acceleration;
+    int cruises = distance >= velocity * (hold + push);
+    int holds = distance >= 2.0 * acceleration * push * push;
+    int peaks = distance * distance * jerk > 4.0 * velocity * velocity * velocity;
+    int held = cruises ? MEETS_BOTH : holds ? MEETS_ACCELERATION : MEETS_NEITHER;
+    int free = peaks ? MEETS_VELOCITY : MEETS_NEITHER;
+    return hold >= push ? held : free; /* whether the acceleration is reached before the velocity */
+}
+
+static inline double even_duration(int form, double distance, double velocity,
+                                   double acceleration, double jerk) {
+    double push;
+    switch (form) {
+    case MEETS_BOTH:
+        return distance / velocity + velocity / acceleration + push_of(acceleration, jerk);
+    case MEETS_ACCELERATION:
+        push = push_of(acceleration, jerk);
+        return push + square_root(push * push + 4.0 * distance / acceleration);
+    case MEETS_VELOCITY:
+        return distance / velocity + 2.0 * square_root(velocity / jerk);
+    default:
+        return 4.0 * cube_root(0.5 * distance / jerk);
     }
-    return 4.0 * cube_root(0.5 * distance / jerk);
+}
+
+static inline int are_moderate(double distance, double velocity, double acceleration, double jerk) {
+    return (is_finite(acceleration) || is_finite(jerk)) && moderate(distance) &&
+           moderate(velocity) && moderate(acceleration) && moderate(jerk);
 }
 
 /* Its duration alone; NaN where there is none. */
@@ -237,15 +257,80 @@ double jounce_move_duration(double distance, const jounce_limits *l) {
     jounce_motion motion;
     Shape s;
     distance = magnitude(distance);
-    if ((is_finite(b.up) || is_finite(b.rising)) && moderate(distance) &&
-        moderate(b.velocity) && moderate(b.up) && moderate(b.down) && moderate(b.rising) &&
-        moderate(b.falling)) {
+    if (are_moderate(distance, b.velocity, b.up, b.rising)) {
         if (is_even(&b)) {
-            return even_duration(distance, &b);
+            return even_duration(form_of(distance, b.velocity, b.up, b.rising), distance,
+                                 b.velocity, b.up, b.rising);
         }
-        s = shape_of(distance, &b);
-        return ramp_time(&s.up) + s.cruise + ramp_time(&s.down);
+        if (moderate(b.down) && moderate(b.falling)) {
+            s = shape_of(distance, &b);
+            return ramp_time(&s.up) + s.cruise + ramp_time(&s.down);
+        }
     }
     return jounce_move(t.distance, l, &motion) == JOUNCE_OK ? motion.duration
                                                             : INFINITE - INFINITE;
+}
+
+/* --- many moves -------------------------------------------------------------------------------- */
+
+enum { BLOCK = 256 };
+
+static inline double at(const jounce_column *column, size_t i) {
+    return column->values[i * column->step];
+}
+
+static jounce_limits limits_at(const jounce_columns *c, size_t i) {
+    double low[3] = {-INFINITE, -INFINITE, -INFINITE}, high[3] = {INFINITE, INFINITE, INFINITE};
+    jounce_limits limits;
+    int k;
+    for (k = 0; k < c->order; k++) {
+        high[k] = at(&c->upper[k], i);
+        low[k] = c->even ? -high[k] : at(&c->lower[k], i);
+    }
+    limits.v_low = low[0];
+    limits.v_high = high[0];
+    limits.a_low = low[1];
+    limits.a_high = high[1];
+    limits.j_low = low[2];
+    limits.j_high = high[2];
+    return limits;
+}
+
+/* First which form each has, then form by form: what a processor need not guess, it does ahead. */
+static void durations_of_some(const jounce_column *distances, const jounce_columns *c,
+                              size_t first, size_t count, double *durations) {
+    const double unbounded = INFINITE;
+    const jounce_column none = {&unbounded, 0}, *v = &c->upper[0];
+    const jounce_column *a = c->order > 1 ? &c->upper[1] : &none;
+    const jounce_column *j = c->order > 2 ? &c->upper[2] : &none;
+    unsigned short lanes[OTHER + 1][BLOCK];
+    size_t counts[OTHER + 1] = {0}, i, k;
+    int form;
+    for (k = 0; k < count; k++) {
+        double x = magnitude(at(distances, i = first + k));
+        form = c->even && are_moderate(x, at(v, i), at(a, i), at(j, i))
+                   ? form_of(x, at(v, i), at(a, i), at(j, i))
+                   : OTHER;
+        lanes[form][counts[form]++] = (unsigned short)k;
+    }
+    for (form = 0; form < OTHER; form++) {
+        for (k = 0; k < counts[form]; k++) {
+            i = first + lanes[form][k];
+            durations[i] = even_duration(form, magnitude(at(distances, i)), at(v, i), at(a, i),
+                                         at(j, i));
+        }
+    }
+    for (k = 0; k < counts[OTHER]; k++) {
+        jounce_limits limits = limits_at(c, i = first + lanes[OTHER][k]);
+        durations[i] = jounce_move_duration(at(distances, i), &limits);
+    }
+}
+
+void jounce_move_durations(const jounce_column *distances, const jounce_columns *bounds,
+                           size_t count, double *durations) {
+    size_t first;
+    for (first = 0; first < count; first += BLOCK) {
+        size_t left = count - first;
+        durations_of_some(distances, bounds, first, left < BLOCK ? left : BLOCK, durations);
+    }
 }

@@ -73,7 +73,7 @@ static void drop_far_bounds(jounce_task *t) {
     if (is_finite(steepest)) {
         double power = larger(larger(t->a_max, -t->a_min),
                               larger(magnitude(t->a0), magnitude(t->a1)));
-        far = FAR * (1.0 + square_root(smaller(steepest, STEEPEST_JERK)));
+        far = power < FAR ? FAR : FAR * (1.0 + square_root(smaller(steepest, STEEPEST_JERK)));
         if (power < far && smaller(t->rise, t->fall) > STEEPEST_JERK * power) {
             t->rise = t->fall = INFINITE;
             t->a0 = t->a1 = 0.0;

@@ -109,10 +109,10 @@ def _without_idle(distance: float, limits: Limits) -> Limits:
 def fastest(distance: float, limits: Limits) -> Trajectory:
     """Return the fastest closed form in positive direction."""
     if limits.order <= 3:
-        motion = core.move(distance, limits.flat, 0.0)
-        if isinstance(motion, int):
+        found = core.move(distance, limits.flat, 0.0, Trajectory, None)
+        if isinstance(found, int):
             raise range_error()
-        return Trajectory.of_motion(motion)
+        return found
     bounds = magnitudes(limits)
     if not float_info.min <= distance / bounds[-1] < inf:
         raise OverflowError

@@ -101,11 +101,11 @@ def min_time_move(
     """
     one_of("method", method, ("optimal", "closed-form"))
     try:
-        motion = core.move(distance, limits.flat, start)
+        found = core.move(distance, limits.flat, start, Trajectory, None)
     except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
-        motion = core.RANGE
-    if not isinstance(motion, int):
-        return Trajectory.of_motion(motion)
+        found = core.RANGE
+    if not isinstance(found, int):
+        return found
 
     def plan(length: float, forward: Limits) -> Trajectory:
         move = within_range(lambda: fastest(length, forward))

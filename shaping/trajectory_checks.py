@@ -11,12 +11,18 @@ from .real_numbers import real_array
 
 def finite_array(name: str, values: ArrayLike | None) -> FloatArray:
     """Return a copy as an array of floats; ValueError unless all are finite."""
-    array = np.array(real_array(name, values))
-    wrong = np.argwhere(~np.isfinite(array))
-    if len(wrong):
-        where = ", ".join(str(i) for i in wrong[0])
+    return finite_numbers(name, values).copy()
+
+
+def finite_numbers(name: str, values: ArrayLike | None) -> FloatArray:
+    """Return the same, but an array of floats as it is."""
+    array = real_array(name, values)
+    finite = np.isfinite(array)
+    if not finite.all():
+        first = np.argwhere(~finite)[0]
+        where = ", ".join(str(i) for i in first)
         element = f"{name}[{where}]" if where else name
-        raise ValueError(f"{name} must be finite: {element} = {array[tuple(wrong[0])]}")
+        raise ValueError(f"{name} must be finite: {element} = {array[tuple(first)]}")
     return array
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from os import cpu_count
@@ -19,13 +20,25 @@ Shape = tuple[int, ...]
 
 def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE) -> None:
     """Do work on parts of `count` problems, on all processors where there is more than one part."""
-    parts = [slice(i, min(i + at_once, count)) for i in range(0, count, at_once)]
-    if len(parts) < 2:
-        for part in parts:
+    parts = deque(slice(i, min(i + at_once, count)) for i in range(0, count, at_once))
+
+    def some() -> None:
+        while parts:
+            try:
+                part = parts.popleft()
+            except IndexError:  # another thread took the last one
+                return
             work(part)
+
+    others = min(cpu_count() or 1, len(parts)) - 1
+    if others < 1:
+        some()
         return
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        list(pool.map(work, parts))
+    with ThreadPoolExecutor(others) as pool:
+        helpers = [pool.submit(some) for _ in range(others)]
+        some()
+        for helper in helpers:
+            helper.result()
 
 
 def lanes(values: np.ndarray[Any, Any], shape: Shape, some: slice) -> Any:

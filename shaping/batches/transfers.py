@@ -14,7 +14,7 @@ from ..checks import range_error
 from ..frozen import Frozen
 from ..limits import Limits, not_limits
 from ..pieces import FloatArray
-from ..trajectory_checks import finite_array
+from ..trajectory_checks import finite_numbers
 from ..transfers.problem import Transfer, check_orders
 from ..transfers.transfer import min_time_transfer
 from .lanes import Shape, in_threads, limits_of, table
@@ -62,12 +62,16 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     order = limits.order
     states = [_states(name, value, order) for name, value in (("starts", starts), ("ends", ends))]
     shape = _shape(*(state.shape[:-1] for state in states), limits.shape)
-    begin, finish = (_spread(state, shape) for state in states)
+    given = [_spread(state, shape) for state in states]
+    begin, finish = own = [_room(state) for state in given]
     duration, inside_after = np.empty(shape), np.empty(shape)
     statuses, counts = np.empty(shape, np.int8), np.empty(shape, np.int8)
     problems = Transfers(begin, finish, limits, counts)
 
     def some(part: slice) -> None:
+        for room, state in zip(own, given, strict=True):
+            if room.flags.writeable:  # memory is new: first touched by the thread that uses it
+                _rows(room, part)[:] = _rows(state, part)
         times = duration.reshape(-1)[part], inside_after.reshape(-1)[part]
         told = statuses.reshape(-1)[part], counts.reshape(-1)[part]
         core.transfers(order, *problems.given(part), *times, *told)
@@ -146,6 +150,13 @@ def _spread(states: FloatArray, shape: Shape) -> FloatArray:
     return spread if one else np.ascontiguousarray(spread)
 
 
+def _room(states: FloatArray) -> FloatArray:
+    """Return memory for states that were spread, or a read-only copy of one for all."""
+    if any(states.strides[:-1]) or not states.size:
+        return np.empty(states.shape)
+    return np.broadcast_to(_rows(states, slice(0, 1))[0].copy(), states.shape)
+
+
 def _shape(*shapes: Shape) -> Shape:
     try:
         return np.broadcast_shapes((1,), *shapes)
@@ -158,7 +169,7 @@ def _shape(*shapes: Shape) -> Shape:
 
 def _states(name: str, given: ArrayLike, order: int) -> FloatArray:
     """Return states (…, order), what is left out filled with zeros."""
-    states = np.atleast_1d(finite_array(name, given))
+    states = np.atleast_1d(finite_numbers(name, given))
     if not states.size:
         states = np.empty((0, order))
     missing = order - states.shape[-1]
@@ -166,4 +177,4 @@ def _states(name: str, given: ArrayLike, order: int) -> FloatArray:
         raise ValueError(
             f"{name} of shape {states.shape}: expected (N, {order}) or ({order},), position first"
         )
-    return np.pad(states, [(0, 0)] * (states.ndim - 1) + [(0, missing)])
+    return np.pad(states, [(0, 0)] * (states.ndim - 1) + [(0, missing)]) if missing else states

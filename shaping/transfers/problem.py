@@ -44,15 +44,6 @@ class Transfer(Planned):
         fields["trajectory"], fields["limits"] = as_trajectory(self.trajectory), of_one(self.limits)
         fields["inside_after"] = finite("inside_after", self.inside_after)
 
-    @classmethod
-    def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
-        """Return a motion of the core, planned with limits."""
-        transfer = object.__new__(cls)
-        fields = transfer.__dict__
-        fields["_motion"], fields["limits"] = motion, limits
-        fields["inside_after"] = motion.inside_after
-        return transfer
-
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""
         return f"{super().__repr__()[:-1]}{told})"
@@ -77,11 +68,11 @@ class Problem:
 
     def fastest(self) -> Transfer:
         """Return the minimum-time transfer."""
-        return self._transfer(core.transfer(*self._arguments))
+        return self._there(core.transfer(*self._arguments, Transfer, self.limits))
 
     def change_of_velocity(self) -> Transfer:
         """Return the fastest change to the end's velocity and acceleration."""
-        return self._transfer(core.velocity_transfer(*self._arguments))
+        return self._there(core.velocity_transfer(*self._arguments, Transfer, self.limits))
 
     def possible_durations(self) -> list[tuple[float, float]]:
         """Return the intervals of durations that a transfer can take."""
@@ -89,12 +80,13 @@ class Problem:
 
     def lasting(self, duration: float) -> Transfer:
         """Return a transfer of a given duration, one of those possible."""
-        return self._transfer(core.transfer_lasting(*self._arguments, duration))
+        found = core.transfer_lasting(*self._arguments, duration, Transfer, self.limits)
+        return self._there(found)
 
-    def _transfer(self, motion: core.Motion | int) -> Transfer:
-        if not isinstance(motion, int):
-            return Transfer.of(motion, self.limits)
-        if motion == core.RANGE or self.end[2] == 0.0:  # such an end can be reached
+    def _there(self, found: Transfer | int) -> Transfer:
+        if not isinstance(found, int):
+            return found
+        if found == core.RANGE or self.end[2] == 0.0:  # such an end can be reached
             raise range_error()
         raise unreachable(*self.end[1:], self.limits)
 

@@ -98,20 +98,11 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion
 
 def _in_the_core(transfers: list[Given]) -> tuple[Transfer, ...] | None:
     """Return transfers as they were planned, slowed down to one duration; None for others."""
-    own = [one for one in transfers if type(one) is Transfer and "_motion" in one.__dict__]
-    if not len(own) == len(transfers) > 0:
+    try:
+        found = core.together(tuple(transfers), Transfer)
+    except (AttributeError, TypeError, ValueError):  # made from arrays, or of another kind
         return None
-    motions = tuple([one.__dict__["_motion"] for one in own])
-    limits = [one.__dict__["limits"] for one in own]
-    found = core.together(motions, tuple([each.flat for each in limits]))
-    if isinstance(found, int):
-        return None
-    return tuple(
-        [
-            one if motion is before else Transfer.of(motion, each)
-            for one, before, motion, each in zip(own, motions, found, limits, strict=True)
-        ]
-    )
+    return None if isinstance(found, int) or not found else found
 
 
 def _ending_together(axes: list[Axis]) -> tuple[Motion, ...]:

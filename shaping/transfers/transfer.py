@@ -58,12 +58,10 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     2.2319602829
     """
     try:
-        motion = core.transfer(start, end, limits.flat)  # type: ignore[arg-type]
+        found = core.transfer(start, end, limits.flat, Transfer, limits)  # type: ignore[arg-type]
     except (AttributeError, TypeError, ValueError):  # told, or converted, below
-        motion = core.UNREACHABLE
-    if isinstance(motion, int):
-        return Problem(start, end, limits).fastest()
-    return Transfer.of(motion, limits)
+        found = core.UNREACHABLE
+    return Problem(start, end, limits).fastest() if isinstance(found, int) else found
 
 
 def velocity_transfer(

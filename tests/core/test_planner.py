@@ -14,7 +14,9 @@ from jounce.core import (
     Motion,
     Pieces,
     evaluate_lanes,
+    move,
     possible_durations,
+    together,
     transfer,
     transfer_lasting,
     transfer_pieces,
@@ -247,3 +249,48 @@ def test_arrays_written_to_must_be_writable():
     found[0].flags.writeable = False
     with pytest.raises(ValueError, match="read-only"):
         transfers(3, np.zeros((2, 3)), np.ones((2, 3)), np.array(BOUNDS), *found)
+
+
+class Held:
+    """Stands for a class of trajectories, whose constructor is not called."""
+
+    def __init__(self):
+        raise AssertionError
+
+
+class Bounds:
+    """Stands for limits."""
+
+    flat = BOUNDS
+
+
+def test_a_class_that_is_given_holds_motion_and_limits():
+    held = transfer((0.0, 0.5), 1.0, BOUNDS, Held, Bounds)
+    assert type(held) is Held
+    motion = transfer((0.0, 0.5), 1.0, BOUNDS)
+    assert held._motion.duration == motion.duration
+    assert vars(held) == {"_motion": held._motion, "coasting": 1, "limits": Bounds}
+    outside = transfer((0.0, 2.0), 1.0, BOUNDS, Held, Bounds)
+    assert outside.inside_after == transfer((0.0, 2.0), 1.0, BOUNDS).inside_after > 0.0
+    assert vars(move(1.0, BOUNDS[:2], 0.0, Held, None)).keys() == {"_motion", "coasting"}
+
+
+@pytest.mark.parametrize("type_", ["text", None, 1.0, Motion])
+def test_what_can_hold_no_motion_is_refused(type_):
+    with pytest.raises((TypeError, AttributeError)):
+        transfer((0.0, 0.5), 1.0, BOUNDS, type_, Bounds)
+
+
+def test_axes_are_slowed_down_together_and_the_slowest_stays():
+    bounds = Bounds()
+    slow, fast = (transfer(0.0, distance, BOUNDS, Held, bounds) for distance in (3.0, 1.0))
+    found = together((slow, fast), Held)
+    assert found[0] is slow
+    assert found[1].limits is bounds
+    assert found[1]._motion.duration == pytest.approx(slow._motion.duration, rel=1e-14)
+
+
+@pytest.mark.parametrize("others", [(1.0,), (object(),), (object.__new__(Held),), [], (None,) * 65])
+def test_what_is_no_axis_is_refused(others):
+    with pytest.raises((TypeError, AttributeError, ValueError)):
+        together(others, Held)
