@@ -193,5 +193,5 @@ def test_what_is_refused():
         certify(Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]), limits)
     with pytest.raises(ValueError, match=r"rtol = 0\.0"):
         certify(move, limits, rtol=0.0)
-    with pytest.raises(TypeError, match="a Trajectory and Limits"):
+    with pytest.raises(TypeError, match=r"trajectory = 1\.0: expected a Trajectory"):
         certify(1.0, limits)
