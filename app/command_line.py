@@ -36,7 +36,7 @@ app.add_typer(export_app, name="export")
 
 def main() -> None:
     """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
-    from ..analysis.survey import UnstableLoopError
+    from ..analysis.loop_survey import UnstableLoopError
 
     if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
         sys.stdout.reconfigure(errors="replace")
@@ -80,9 +80,9 @@ def survey_command(
     overrides: OVERRIDES = None,
 ) -> None:
     """Print a loop's margins, design check and moves; write them with pictures to a folder."""
-    from .output import write_survey
     from .overrides import read_overrides
     from .report import survey_tables
+    from .result_files import write_survey
     from .scenario_survey import survey_file
 
     found = survey_file(scenario, overrides=read_overrides(overrides or ()))
@@ -185,8 +185,8 @@ def _limit(text: str) -> tuple[int, str]:
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
-    from .output import check_picture, save_figure, write_files, write_rows
     from .report import switch_rows
+    from .result_files import check_picture, save_figure, write_files, write_rows
 
     writers: dict[Path, Callable[[Path], object]] = {}
     if csv is not None:

@@ -19,7 +19,7 @@ from ..shaping.derivatives import derivative_name
 from ..shaping.optimal.binding import BINDING_RTOL
 
 if TYPE_CHECKING:
-    from ..analysis.survey import MoveSurvey
+    from ..analysis.loop_survey import MoveSurvey
     from ..shaping import Certificate
     from .plan import Plan
     from .scenario_survey import ScenarioSurvey

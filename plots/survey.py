@@ -15,8 +15,8 @@ from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish, panels_
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..analysis.step import StepResponse
-    from ..analysis.survey import MoveSurvey, Survey
+    from ..analysis.loop_survey import MoveSurvey, Survey
+    from ..analysis.step_response import StepResponse
     from ..shaping.pieces import FloatArray
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import cholesky_banded
 
-from jounce.analysis.conformance.banded import band_of, banded, inverse_band, times_vector
+from jounce.analysis.log_conformance.banded import band_of, banded, inverse_band, times_vector
 
 
 def random_band(count, width, seed=0):

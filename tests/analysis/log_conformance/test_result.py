@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from jounce.analysis.conformance import conformance
+from jounce.analysis.log_conformance import conformance
 from jounce.shaping import Limits, min_time_move
 
 NUMBER = r"[−+]?\d[\d.]*(?:e[+-]\d+)?"

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from jounce.analysis.margins.many_loops import ManyMargins, many_loop_margins, servo_margins
 from jounce.plant import design_pid
-from jounce.plots.margins import TITLES, plot_margin_contours
+from jounce.plots.margin_contours import TITLES, plot_margin_contours
 
 GAINS = design_pid(1.0, crossover_hz=1, phase_margin_deg=45, lower_gain_margin_db=12)
 INERTIA, DELAY = np.linspace(0.3, 4.0, 60), np.linspace(0.0, 0.11, 50)

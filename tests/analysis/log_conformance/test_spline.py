@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from jounce.analysis.conformance.spline import SplineFit, basis
+from jounce.analysis.log_conformance.spline import SplineFit, basis
 
 COUNT = 40
 

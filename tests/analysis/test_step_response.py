@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from jounce.analysis.step import step_response
+from jounce.analysis.step_response import step_response
 from jounce.plant import PID, Inertia, InertiaFeedforward, ServoLoop
 
 

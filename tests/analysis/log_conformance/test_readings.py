@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.conformance.readings import checked_log, found_resolution, merged, parts
+from jounce.analysis.log_conformance.readings import checked_log, found_resolution, merged, parts
 
 TIMES = np.arange(20.0)
 

@@ -25,7 +25,7 @@ from .margins import LoopMargins, loop_margins
 from .margins.result import shown_intervals
 from .sampling import Clock, clock_for, followed, thinned
 from .specification import Labels, Mode, Move, Specification
-from .step import KEPT, StepResponse, step_response
+from .step_response import KEPT, StepResponse, step_response
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

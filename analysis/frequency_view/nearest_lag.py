@@ -18,7 +18,7 @@ from .sine_sweep import checked_sweep
 
 if TYPE_CHECKING:
     from ...shaping.pieces import FloatArray
-    from .describing_function import DescribingFunction
+    from .describing_functions import DescribingFunction
     from .periodic import ComplexArray
 
 
@@ -87,13 +87,13 @@ def first_order_lag(describing: DescribingFunction) -> FirstOrderLag:
 
     Examples
     --------
-    >>> from jounce.analysis.frequency_view.describing_function import describing_function
+    >>> from jounce.analysis.frequency_view.describing_functions import describing_function
     >>> amplitudes, omega = np.array([[1.0], [10.0]]), np.geomspace(1e-3, 1e3, 601)
     >>> lag = first_order_lag(describing_function(Limits(velocity=1.0), amplitudes, omega))
     >>> lag.corner_omega.round(3).tolist(), lag.rms_error.round(3).tolist()
     ([1.464, 0.141], [0.207, 0.212])
     """
-    from .describing_function import DescribingFunction
+    from .describing_functions import DescribingFunction
 
     of_kind("describing", describing, DescribingFunction, "what describing_function gives")
     amplitude, omega, response = describing.amplitude, describing.omega, describing.response

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from jounce.app import survey_file
-from jounce.app.output import save_figure, write_files, write_rows, write_survey
+from jounce.app.result_files import save_figure, write_files, write_rows, write_survey
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ARCSEC = math.pi / 180 / 3600

@@ -15,8 +15,8 @@ from .style import BLUE, GREY, finish, panels_figure, single_axes, unit_label
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..analysis.frequency_view.describing_function import DescribingFunction, PeriodicResponse
-    from ..analysis.frequency_view.first_order_lag import FirstOrderLag
+    from ..analysis.frequency_view.describing_functions import DescribingFunction, PeriodicResponse
+    from ..analysis.frequency_view.nearest_lag import FirstOrderLag
     from ..analysis.frequency_view.periodic import ComplexArray
     from ..shaping.pieces import FloatArray
 

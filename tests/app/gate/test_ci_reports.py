@@ -9,9 +9,7 @@ from xml.etree import ElementTree
 import pytest
 from rich.console import Console
 
-from jounce.app.gate.comparison import Row
-from jounce.app.gate.conditions import Change
-from jounce.app.gate.formats import (
+from jounce.app.gate.ci_reports import (
     BadInput,
     github_error,
     github_lines,
@@ -19,6 +17,8 @@ from jounce.app.gate.formats import (
     junit_text,
     tally,
 )
+from jounce.app.gate.comparison import Row
+from jounce.app.gate.conditions import Change
 from jounce.app.gate.report import (
     GateReport,
     GateTable,

@@ -5,7 +5,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from jounce.analysis.conformance import conformance
+from jounce.analysis.log_conformance import conformance
 from jounce.shaping import Limits, min_time_move
 
 NOISES = {

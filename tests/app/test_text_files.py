@@ -2,7 +2,7 @@
 
 import pytest
 
-from jounce.app.reading import read_json, read_toml
+from jounce.app.text_files import read_json, read_toml
 
 READERS = {"toml": (read_toml, b"a = 1\nb = 'x'\n"), "json": (read_json, b'{"a": 1,\n"b": "x"}\n')}
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.conformance import read_log
+from jounce.analysis.log_conformance import read_log
 
 TIMES, POSITIONS = [0.0, 0.1, 0.2], [1.5, -1.75, 2e-3]
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from jounce.analysis.frequency_view.describing_function import (
+from jounce.analysis.frequency_view.describing_functions import (
     DescribingFunction,
     describing_function,
 )
-from jounce.analysis.frequency_view.first_order_lag import (
+from jounce.analysis.frequency_view.nearest_lag import (
     first_order_lag,
     rate_limiter_corner_omega,
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jounce.analysis.frequency_view import periodic
-from jounce.analysis.frequency_view.describing_function import (
+from jounce.analysis.frequency_view.describing_functions import (
     describing_function,
     periodic_response,
 )

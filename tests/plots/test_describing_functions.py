@@ -5,12 +5,12 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from jounce.analysis.frequency_view.describing_function import (
+from jounce.analysis.frequency_view.describing_functions import (
     describing_function,
     periodic_response,
 )
-from jounce.analysis.frequency_view.first_order_lag import first_order_lag
-from jounce.plots import describing as plots
+from jounce.analysis.frequency_view.nearest_lag import first_order_lag
+from jounce.plots import describing_functions as plots
 from jounce.shaping import Limits
 
 LIMITER = Limits(velocity=1.0)

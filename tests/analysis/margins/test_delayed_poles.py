@@ -10,7 +10,7 @@ from scipy.special import lambertw
 from jounce.analysis.margins import loop_margins, many_loop_margins
 from jounce.analysis.margins.batch_crossings import pieces_of
 from jounce.analysis.margins.batch_crossings import stable as is_stable
-from jounce.analysis.margins.delay import rightmost_poles
+from jounce.analysis.margins.delayed_poles import rightmost_poles
 from jounce.analysis.margins.factoring import factored
 from jounce.analysis.margins.rooted_loops import rooted
 from jounce.plant import design_pid

@@ -12,7 +12,7 @@ from ...shaping import Trajectory
 from ...shaping.checks import one_of
 from ...shaping.drawing import draw
 from ...shaping.trajectory_checks import finite_array
-from .frequency import FrequencyResponse, corner_omega, frequency_response
+from .frequency_responses import FrequencyResponse, corner_omega, frequency_response
 from .spectrum import move_distance
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from .report import survey_data
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..analysis.survey import MoveSurvey
+    from ..analysis.loop_survey import MoveSurvey
     from .scenario_survey import ScenarioSurvey
 
 PICTURES: dict[str, dict[str, None]] = {

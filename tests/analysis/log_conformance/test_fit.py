@@ -5,7 +5,7 @@ from math import factorial, sqrt
 import numpy as np
 import pytest
 
-from jounce.analysis.conformance.fit import fit_spline
+from jounce.analysis.log_conformance.fit import fit_spline
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the kernel's degree 6
 

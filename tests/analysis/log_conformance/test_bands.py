@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, trapezoid
 
-from jounce.analysis.conformance.bands import (
+from jounce.analysis.log_conformance.bands import (
     OVERSHOOT,
     RESOLVED,
     critical_value,
     joint_band,
     noise_share,
 )
-from jounce.analysis.conformance.fit import fit_spline
+from jounce.analysis.log_conformance.fit import fit_spline
 
 
 def response(omega):
