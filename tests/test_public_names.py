@@ -10,20 +10,21 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parent.parent
 PACKAGES = ("shaping", "plant", "fmu", "analysis", "plots", "app")
 # Listed by glob: pkgutil.walk_packages finds nothing in a mapped editable install.
-SOURCES = sorted(path for folder in PACKAGES for path in (ROOT / folder).rglob("*.py"))
+SOURCES = sorted(path for folder in ("jounce", *PACKAGES) for path in (ROOT / folder).rglob("*.py"))
 
 
 def module_name(path: Path) -> str:
     """Return the import name of a source file."""
-    parts = path.relative_to(ROOT).with_suffix("").parts
+    inside = path.relative_to(ROOT).with_suffix("").parts
+    parts = inside[1:] if inside[0] == "jounce" else inside
     return ".".join(("jounce", *(part for part in parts if part != "__init__")))
 
 
 def test_all_folders_were_found():
-    assert {path.relative_to(ROOT).parts[0] for path in SOURCES} == set(PACKAGES)
+    assert {path.relative_to(ROOT).parts[0] for path in SOURCES} == {"jounce", *PACKAGES}
     assert len(SOURCES) > len(PACKAGES)
 
 
