@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.sampling import thinned
-from .report import survey_data
+from .survey_report import survey_data
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
