@@ -26,11 +26,6 @@ FILES = {
 
 
 @pytest.fixture(scope="module")
-def telescope():
-    return survey_file(EXAMPLES / "telescope.toml")
-
-
-@pytest.fixture(scope="module")
 def written(telescope, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("survey") / "new" / "out"
     files = write_survey(telescope, folder)

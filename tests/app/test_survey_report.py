@@ -16,16 +16,6 @@ DEGREE = math.pi / 180
 ARCSEC = DEGREE / 3600
 
 
-@pytest.fixture(scope="module")
-def telescope():
-    return survey_file(EXAMPLES / "telescope.toml")
-
-
-@pytest.fixture(scope="module")
-def published():
-    return survey_file(EXAMPLES / "telescope_published_gains.toml")
-
-
 def renamed(path: Path, **changes: str):
     text = (EXAMPLES / "telescope.toml").read_text(encoding="utf-8")
     for old, new in changes.values():
