@@ -1,6 +1,5 @@
 """Margins and surveys of servo loops, shapers as filters, conformance: results, no pictures."""
 
-from .conformance import Conformance, conformance, read_log
 from .frequency_view import (
     CascadedLags,
     DescribingFunction,
@@ -25,9 +24,10 @@ from .frequency_view import (
     rollover_db_per_decade,
     vibration_map,
 )
+from .log_conformance import Conformance, conformance, read_log
+from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
 from .specification import Labels, Mode, Move, Specification
-from .survey import Survey, UnstableLoopError, survey
 
 __all__ = [
     "CascadedLags",

@@ -1,13 +1,13 @@
 """Plants, controllers and loops as python-control systems, and their exact responses."""
 
-from .blocks import filter_system
+from .exact_response import respond
 from .feedforward import InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
-from .pid import PID, design_pid, printed_pid
-from .respond import respond
+from .pid import PID, design_pid
 from .sampled import zero_order_hold
 from .servo_loop import LoopResponse, ServoLoop
+from .shaper_systems import filter_system
 
 __all__ = [
     "PID",
@@ -18,7 +18,6 @@ __all__ = [
     "ServoLoop",
     "design_pid",
     "filter_system",
-    "printed_pid",
     "respond",
     "zero_order_hold",
 ]

@@ -16,12 +16,12 @@ from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from ..shaping.real_numbers import shown
 from ..shaping.trajectory import Motion, as_trajectory
+from .exact_response import respond_on_grid
 from .feedforward import InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
 from .linear_system import static_gain
 from .pid import PID, Rate
-from .respond import respond_on_grid
 from .sampled import loop_behind
 
 if TYPE_CHECKING:

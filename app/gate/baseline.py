@@ -11,8 +11,8 @@ from types import MappingProxyType
 from typing import Any
 
 from ...shaping.frozen import Frozen
-from ..reading import read_json
 from ..scenario_messages import key_path
+from ..text_files import read_json
 from ..units import UnitError, conversion, show
 from .check_file import CheckError
 from .conditions import Conditions

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...plant.respond import state_space
+from ...plant.exact_response import state_space
 from ...plant.sampled import zero_order_hold
 from ...shaping import Trajectory
 from ...shaping.derivatives import derivative_name

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...plant.exact_response import state_space
 from ...plant.flexible_inertia import FlexibleInertia
 from ...plant.inertia import Inertia
-from ...plant.respond import state_space
 from ...shaping import CommandFollower, JerkFilter, Trajectory
 from ...shaping.trajectory import Planned
 from .blocks import Block

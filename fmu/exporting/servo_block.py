@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...plant.respond import state_space
+from ...plant.exact_response import state_space
 from ...plant.servo_loop import ServoLoop
 from ...shaping import JerkFilter, Trajectory
 from ...shaping.checks import of_kind, positive

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
 from .forms import Forms, Lanes, fastest, most_pieces, pieces, trajectory
-from .lanes import AT_ONCE, Shape, in_threads, index_text, lanes, limits_of, sides
+from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
 
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
@@ -55,12 +54,12 @@ class ClosedForms(Frozen):
         """Largest number of pieces of a motion."""
         return most_pieces(self.limits.order, self.forms)
 
-    def select(self, index: Any) -> ClosedForms:
+    def select(self, index: Index) -> ClosedForms:
         """Return the problems that an index of numpy selects."""
         limits = limits_of(self.limits, self.forms.shape, index)
         return ClosedForms(self.distances[index], self.starts[index], limits, self.forms[index])
 
-    def alone(self, index: Any) -> Trajectory:
+    def alone(self, index: Index) -> Trajectory:
         """Return one motion."""
         distance, start = float(self.distances[index]), float(self.starts[index])
         limits = limits_of(self.limits, self.forms.shape, index)

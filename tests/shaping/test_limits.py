@@ -18,10 +18,10 @@ from jounce.shaping import (
     min_time_moves,
     min_time_transfer,
     min_time_transfers,
-    recursive_s_curve,
     synchronize,
     velocity_transfer,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 
 def test_a_number_bounds_both_directions():
