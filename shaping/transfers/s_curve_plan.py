@@ -108,7 +108,7 @@ def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) 
     settling = _settling(v, a, rates)
     if final_velocity < 0.0:
         return None
-    if settling > rates.velocity and rates.jerk_percent is None:
+    if max(v, settling) > rates.velocity:
         return _slowed_down(begin, target, final_velocity, rates)
     distance, slack = target - x, ROUNDING * (abs(target - x) + abs(x) + abs(target))
     low, high = max(settling, final_velocity), rates.velocity
@@ -134,18 +134,55 @@ def _slowed_down(
 ) -> Pieces | None:
     """Return the plan from a velocity beyond its bound that never goes back, None for none.
 
-    It levels off at the bound, or, where the target is too near for that, brakes harder.
+    The core's policy (`core/inside.c`): it levels off at the bound; where the target is too near
+    for that, it brakes as hard as it may down to the bound; where that would turn it round, it
+    levels off at a lower velocity.
     """
-    levelled = _leg(begin, rates.velocity, rates)
-    state = begin[0] + _distance(levelled), rates.velocity, 0.0
-    onward = _one_way(state, target, final_velocity, rates)
-    if onward is not None:
-        return levelled + onward
-    eased = _leg(begin, _settling(*begin[1:], rates), rates) if begin[2] > 0.0 else []
-    if eased:
+    eased: Pieces = []
+    if begin[2] > 0.0:
+        eased = _leg(begin, _settling(*begin[1:], rates), rates)
         begin = begin[0] + _distance(eased), _settling(*begin[1:], rates), 0.0
-    braking = _slowing(begin, target, final_velocity, rates, rates.velocity)
-    return None if braking is None else eased + braking
+    top = min(rates.velocity, _settling(*begin[1:], rates))
+    levelled = _leg(begin, top, rates)
+    ways = (levelled, (begin[0] + _distance(levelled), top, 0.0)), _hard_braking(begin, rates)
+    for first, state in ways:
+        turns = _settling(*state[1:], rates) < 0.0
+        onward = None if turns else _one_way(state, target, final_velocity, rates)
+        if onward is not None:
+            return eased + first + onward
+    lower = _level_below(begin, target, top, final_velocity, rates)
+    return None if lower is None else eased + lower
+
+
+def _hard_braking(begin: Motion, rates: Rates) -> tuple[Pieces, Motion]:
+    """Return the hardest way down to the bound of the velocity, and the state there."""
+    x, v, a = begin
+    bound, jerk = rates.velocity, rates.deceleration_jerk
+    if rates.jerk_percent is not None:
+        ramp = _leg(begin, bound, rates)
+        return ramp, (x + _distance(ramp), bound, 0.0)
+    arrival = -min(rates.deceleration, sqrt(a * a + 2.0 * jerk * (v - bound)))
+    falling = (a - arrival) / jerk, (x, v, a, -jerk)
+    x, v, _ = _later(falling[1], falling[0])
+    holding = max(v - bound, 0.0) / -arrival, (x, v, arrival, 0.0)
+    return [falling, holding], (_later(holding[1], holding[0])[0], bound, arrival)
+
+
+def _level_below(
+    begin: Motion, target: float, top: float, final_velocity: float, rates: Rates
+) -> Pieces | None:
+    """Return the way by the highest velocity, at most `top`, that leads no further than the end."""
+    distance = target - begin[0]
+    slack = ROUNDING * (abs(distance) + abs(begin[0]) + abs(target))
+
+    def missing(turn: float) -> float:
+        return distance - _distance_by_way_of(turn, begin, final_velocity, rates)
+
+    low = final_velocity if final_velocity <= top else _dip(begin, final_velocity, rates)
+    if missing(low) < -slack:
+        return None
+    turn = _largest(low, top, missing) if missing(low) > slack else low
+    return _by_way_of(turn, 0.0, begin, target, final_velocity, rates)
 
 
 def _distance_by_way_of(turn: float, begin: Motion, final_velocity: float, rates: Rates) -> float:
