@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .transfers.s_curve import SCurveMove, s_curve_move
     from .transfers.synchronize import synchronize
     from .transfers.transfer import min_time_transfer, velocity_transfer
+    from .transfers.velocity_move import VelocityMove, velocity_move
 
 # Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
 _LATER = {
@@ -34,6 +35,7 @@ _LATER = {
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
     "Transfer": "transfers.problem",
+    "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
     "min_time_moves": "batches.moves",
@@ -41,6 +43,7 @@ _LATER = {
     "min_time_transfers": "batches.transfers",
     "s_curve_move": "transfers.s_curve",
     "synchronize": "transfers.synchronize",
+    "velocity_move": "transfers.velocity_move",
     "velocity_transfer": "transfers.transfer",
 }
 
@@ -56,6 +59,7 @@ __all__ = [
     "SCurveMove",
     "Trajectory",
     "Transfer",
+    "VelocityMove",
     "binding_limits",
     "bound_for_rise_time",
     "certify",
@@ -69,6 +73,7 @@ __all__ = [
     "s_curve_move",
     "switch_fractions",
     "synchronize",
+    "velocity_move",
     "velocity_transfer",
 ]
 

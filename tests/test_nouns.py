@@ -44,12 +44,14 @@ from jounce.shaping import (
     SCurveMove,
     Trajectory,
     Transfer,
+    VelocityMove,
     certify,
     min_time_move,
     min_time_moves,
     min_time_transfer,
     min_time_transfers,
     s_curve_move,
+    velocity_move,
 )
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
@@ -70,6 +72,8 @@ NOUNS = [
     Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
     Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]),
     SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
+    VelocityMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
+    velocity_move(1.0, acceleration=2.0, acceleration_jerk=20.0),
     min_time_transfer((0.0, 2.0), 1.0, LIMITS),
     min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
     min_time_moves([1.0, 2.0], Limits(velocity=(-1.0, 2.0), jerk=np.array([1.0, 2.0]))),

@@ -1,0 +1,46 @@
+"""Motions changed under way: what was, up to a time, and what follows it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from ..trajectory import Trajectory
+from .s_curve_ramps import Piece
+
+
+def before(motion: Trajectory, time: float) -> Trajectory:
+    """Return a motion up to a time; a point in its way to the start where it has not begun."""
+    if time >= motion.start_time:
+        return motion.until(time)
+    x, v = motion.coasting_in()
+    end = np.zeros(motion.order + 1)
+    end[0], end[1] = x + v * (time - motion.start_time), v
+    return Trajectory([time], np.empty((0, len(end))), end_state=end)
+
+
+def spliced(first: Trajectory, second: Trajectory) -> Trajectory:
+    """Return one motion and, when it ends, another that begins at time 0 and where it ends.
+
+    Both are of one order. The highest derivative below it may step, as by jerk percent.
+    """
+    breaks = first.end_time + second.breaks
+    return Trajectory.from_arrays(
+        np.append(first.breaks, breaks[1:]),
+        np.vstack([first.states, second.states]),
+        np.append(first.durations, second.durations),
+        second.end_state.copy(),
+    )
+
+
+def of_pieces(pieces: Sequence[Piece], end: Sequence[float]) -> Trajectory:
+    """Return the pieces of an S-curve, from time 0 on, to their end; OverflowError beyond range."""
+    pieces = [piece for piece in pieces if piece[0] > 0.0]
+    durations = np.array([duration for duration, _ in pieces])
+    breaks = np.array([0.0, *accumulate(durations.tolist())])
+    states = np.array([row for _, row in pieces]).reshape(len(pieces), 4)
+    if not (np.isfinite(breaks).all() and np.isfinite(states).all()):
+        raise OverflowError
+    return Trajectory.from_arrays(breaks, states, durations, np.array([*end, 0.0, 0.0]))
