@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
     from .transfers.synchronize import synchronize
+    from .transfers.synchronized import Synchronized
     from .transfers.transfer import min_time_transfer, velocity_transfer
     from .transfers.velocity_move import VelocityMove, velocity_move
 
@@ -34,6 +35,7 @@ _LATER = {
     "InfeasibleError": "transfers.infeasible",
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
+    "Synchronized": "transfers.synchronized",
     "Transfer": "transfers.problem",
     "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
@@ -57,6 +59,7 @@ __all__ = [
     "Limits",
     "MotionBatch",
     "SCurveMove",
+    "Synchronized",
     "Trajectory",
     "Transfer",
     "VelocityMove",

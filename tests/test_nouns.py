@@ -51,6 +51,7 @@ from jounce.shaping import (
     min_time_transfer,
     min_time_transfers,
     s_curve_move,
+    synchronize,
     velocity_move,
 )
 
@@ -79,6 +80,8 @@ NOUNS = [
     min_time_moves([1.0, 2.0], Limits(velocity=(-1.0, 2.0), jerk=np.array([1.0, 2.0]))),
     min_time_moves([1.0, 2.0], Limits(velocity=1.0, snap=2.0)),
     s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
+    synchronize([(0.0, 1.0, LIMITS), (2.0, 3.0, LIMITS)]),
+    synchronize([(0.0, 3.0), (2.0, 6.0)], "straight-line", resultant=LIMITS),
     certify(MOVE, LIMITS),
     FILTER,
     FILTER.respond(MOVE, 0.1),

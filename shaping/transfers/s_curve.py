@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 
 from ..checks import finite, in_range, positive
 from ..limits import Limits
@@ -24,6 +25,7 @@ from .s_curve_settings import (
 from .under_way import before, of_pieces, spliced
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
+_SLOWEST = 2.0**-40  # of the velocity: no slower way is looked for
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -243,6 +245,50 @@ def s_curve_move(
     settings = SCurveSettings(rates, checked_final(final_velocity, rates), no_reversal, dt)
     plan = _planned(begin, goal, settings)
     return _as_move(plan.delay(delay) if delay else plan, plan, settings)
+
+
+def s_curve_from(begin: Motion, target: float, settings: SCurveSettings) -> SCurveMove:
+    """Return the plan from a state on, beginning at time 0."""
+    plan = _planned(begin, target, settings)
+    return _as_move(plan, plan, settings)
+
+
+def longest(move: Trajectory) -> float:
+    """Return the duration up to which a lower velocity makes a plan longer."""
+    settings = _settings_of(move)
+    least = abs(settings.final_velocity)
+    return inf if not least else _slower(move, settings, least).duration
+
+
+def lasting(move: Trajectory, duration: float) -> SCurveMove | None:
+    """Return the plan of a move with the velocity that makes it last so long; None for none."""
+    settings = _settings_of(move)
+    low = high = settings.rates.velocity
+    least = max(abs(settings.final_velocity), high * _SLOWEST)
+    while _slower(move, settings, low).duration < duration:
+        if low <= least:
+            return None
+        low, high = max(0.5 * low, least), low
+    while low < (middle := 0.5 * (low + high)) < high:
+        if _slower(move, settings, middle).duration >= duration:
+            low = middle
+        else:
+            high = middle
+    slower = _slower(move, settings, low)
+    return slower if slower.duration <= duration * (1.0 + _TURNS) else None
+
+
+def _settings_of(move: Trajectory) -> SCurveSettings:
+    assert isinstance(move, SCurveMove)
+    assert move.settings is not None
+    return move.settings
+
+
+def _slower(move: Trajectory, settings: SCurveSettings, velocity: float) -> SCurveMove:
+    """Return the same plan with a lower velocity."""
+    slower = replace(settings, rates=replace(settings.rates, velocity=velocity))
+    x, v, a = move.start_state[:3].tolist()
+    return s_curve_from((x, v, a), float(move.end_state[0]), slower)
 
 
 def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:

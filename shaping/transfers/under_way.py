@@ -24,14 +24,19 @@ def before(motion: Trajectory, time: float) -> Trajectory:
 def spliced(first: Trajectory, second: Trajectory) -> Trajectory:
     """Return one motion and, when it ends, another that begins at time 0 and where it ends.
 
-    Both are of one order. The highest derivative below it may step, as by jerk percent.
+    The highest derivative below the order may step, as by jerk percent.
     """
     breaks = first.end_time + second.breaks
+    more = max(first.order, second.order) - np.array([first.order, second.order])
+    early, late = (
+        np.pad(motion.states, ((0, 0), (0, int(zeros))))
+        for motion, zeros in zip((first, second), more, strict=True)
+    )
     return Trajectory.from_arrays(
         np.append(first.breaks, breaks[1:]),
-        np.vstack([first.states, second.states]),
+        np.vstack([early, late]),
         np.append(first.durations, second.durations),
-        second.end_state.copy(),
+        np.pad(second.end_state, (0, int(more[1]))),
     )
 
 

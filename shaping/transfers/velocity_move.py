@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from ..checks import finite, in_range, positive
@@ -211,6 +211,11 @@ def velocity_move(
     settings = SCurveSettings(rates, final, dt=dt)
     plan = _planned(begin, settings)
     return _as_move(plan.delay(delay) if delay else plan, settings)
+
+
+def stop_from(begin: Motion, settings: SCurveSettings) -> Trajectory:
+    """Return the fastest way to rest, beginning at time 0."""
+    return _planned(begin, replace(settings, final_velocity=0.0))
 
 
 def _final(velocity: float, origin: float) -> float:
