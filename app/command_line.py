@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from io import TextIOWrapper
 from pathlib import Path
@@ -97,7 +97,9 @@ def survey_command(
 @app.command("plan", context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 def plan_command(
     context: typer.Context,
-    distance: Annotated[str, typer.Argument(help='Such as "60 arcsec" or "-2 mm".')],
+    distance: Annotated[
+        str | None, typer.Argument(help='Such as "60 arcsec" or "-2 mm"; or give --to.')
+    ] = None,
     velocity: Annotated[str | None, typer.Option(help='Such as "1 deg/s".')] = None,
     acceleration: Annotated[
         str | None,
@@ -118,7 +120,27 @@ def plan_command(
     order: Annotated[
         int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
     ] = None,
-    start: Annotated[str | None, typer.Option(help="Position at the start.")] = None,
+    start: Annotated[
+        str | None, typer.Option("--from", "--start", help="Position at the start.")
+    ] = None,
+    to: Annotated[str | None, typer.Option(help="Position at the end, for a distance.")] = None,
+    deceleration: Annotated[
+        str | None,
+        typer.Option(
+            "--deceleration", "--decel", help="S-curve: largest acceleration while slowing down."
+        ),
+    ] = None,
+    deceleration_jerk: Annotated[
+        str | None, typer.Option(help="S-curve: largest jerk while slowing down.")
+    ] = None,
+    jerk_percent: Annotated[
+        str | None,
+        typer.Option(help='S-curve: share of each ramp with jerk, such as "50 %", for a jerk.'),
+    ] = None,
+    percent_keeps: Annotated[
+        str | None,
+        typer.Option(help="S-curve: what a jerk percent keeps, duration or acceleration."),
+    ] = None,
     closed_form: Annotated[
         bool,
         typer.Option("--closed-form", help="From order 4 on: few pieces, but slower than need be."),
@@ -134,27 +156,39 @@ def plan_command(
         Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
     ] = None,
 ) -> None:
-    """Plan the fastest move between rests: its duration, its peaks and what limits them."""
-    from .plan import plan_move
-    from .plan_report import certificate_table, plan_tables
+    """Plan the fastest move between rests: its duration, its peaks and what limits them.
 
-    _refuse_extra([distance, *context.args])
-    named = (velocity, acceleration, jerk, snap, crackle, pop)
-    bounds = {k: text for k, text in enumerate(named, start=1) if text is not None}
-    for text in limit or ():
-        k, quantity = _limit(text)
-        if k in bounds:
-            raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
-        bounds[k] = quantity
-    method: Method = "closed-form" if closed_form else "optimal"
-    plan = plan_move(distance, bounds, start=start, rise_time=rise_time, order=order, method=method)
+    With --deceleration, --deceleration-jerk or --jerk-percent it is an S-curve, as motion
+    controllers have it.
+    """
+    from .plan import plan_move
+    from .plan_s_curve import SCurveText, plan_s_curve
+    from .report import certificate_table, plan_tables
+
+    _refuse_extra([distance or "", *context.args])
+    rates = SCurveText(
+        velocity, acceleration, deceleration, jerk, deceleration_jerk, jerk_percent, percent_keeps
+    )
+    if rates.asked_for:
+        _refuse_beside_s_curve(
+            {"--snap": snap, "--crackle": crackle, "--pop": pop, "--limit": limit}
+            | {"--rise-time": rise_time, "--order": order, "--closed-form": closed_form}
+            | {"--certify": certify}
+        )
+        plan = plan_s_curve(distance, rates, start=start, to=to)
+    else:
+        bounds = _bounds((velocity, acceleration, jerk, snap, crackle, pop), limit)
+        method: Method = "closed-form" if closed_form else "optimal"
+        plan = plan_move(
+            distance, bounds, start=start, to=to, rise_time=rise_time, order=order, method=method
+        )
     proofs = []
     if certify:
         from ..shaping import certify as prove
 
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     _write_plan(plan, csv, plot)
-    print_parts(*plan_tables(plan, pieces=pieces), *proofs)
+    print_parts(*plan_tables(plan, pieces=pieces), *proofs, *plan.remarks)
     for path in (csv, plot):
         if path is not None:
             print_parts(f"Wrote {path}")
@@ -173,6 +207,27 @@ def _refuse_extra(words: list[str]) -> None:
             f"unexpected {words[1]!r} behind the distance {words[0]!r}: write each quantity in "
             'quotation marks, such as "60 arcsec"'
         )
+
+
+def _refuse_beside_s_curve(options: Mapping[str, object]) -> None:
+    """Refuse options that say nothing about an S-curve."""
+    given = next((name for name, value in options.items() if value), None)
+    if given is not None:
+        raise ValueError(
+            f"{given} does not go with an S-curve, which --deceleration, --deceleration-jerk, "
+            "--jerk-percent and --percent-keeps ask for: leave one or the other out"
+        )
+
+
+def _bounds(named: Sequence[str | None], limit: Sequence[str] | None) -> dict[int, str]:
+    """Return the bounds by derivative, those with a name first."""
+    bounds = {k: text for k, text in enumerate(named, start=1) if text is not None}
+    for text in limit or ():
+        k, quantity = _limit(text)
+        if k in bounds:
+            raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
+        bounds[k] = quantity
+    return bounds
 
 
 def _limit(text: str) -> tuple[int, str]:

@@ -28,11 +28,21 @@ HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 
 @dataclass(frozen=True)
 class Plan:
-    """A planned move and the unit to show it in; the trajectory is in rad or m, and seconds."""
+    """A planned move and the unit to show it in; the trajectory is in rad or m, and seconds.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    limits : Limits
+    unit : str
+    remarks : tuple of str
+        What is to be told of it besides its numbers.
+    """
 
     trajectory: Trajectory
     limits: Limits
     unit: str
+    remarks: tuple[str, ...] = ()
 
     @property
     def scale(self) -> float:
@@ -40,11 +50,22 @@ class Plan:
         return factor(self.unit)
 
 
+@dataclass(frozen=True)
+class Way:
+    """Where a move starts and how far it goes, in rad or m, and the unit to show it in."""
+
+    origin: float
+    length: float
+    motion: Motion
+    unit: str
+
+
 def plan_move(
-    distance: str,
+    distance: str | None,
     bounds: Mapping[int, str],
     *,
     start: str | None = None,
+    to: str | None = None,
     rise_time: str | None = None,
     order: int | None = None,
     method: Method = "optimal",
@@ -53,13 +74,15 @@ def plan_move(
 
     Parameters
     ----------
-    distance : str
+    distance : str, optional
         Such as "60 arcsec" or "-2 mm"; its unit is the one that results are shown in.
     bounds : mapping of int to str
         By derivative, 1 velocity, 2 acceleration, …: a quantity, or two separated by a comma
         for the two directions, "-0.1 deg/s^2, 0.2 deg/s^2".
     start : str, optional
         Position at the start. Default: zero.
+    to : str, optional
+        Position at the end, in place of a distance.
     rise_time : str, optional
         Rise time of acceleration, in place of a bound on derivative `order`.
     order : int, optional
@@ -74,13 +97,9 @@ def plan_move(
     ValueError
         For limits that do not fit together, or a move that cannot be planned.
     """
-    try:
-        length, motion = parse_motion(distance, 0)
-    except UnitError as error:
-        raise UnitError(f"distance: {error}") from None
-    origin = 0.0 if start is None else _quantity("start", start, motion_kind(motion, 0))
+    route = way(distance, start, to)
     values: dict[int, float | tuple[float, float]] = {
-        k: _bound(text, k, motion) for k, text in bounds.items()
+        k: _bound(text, k, route.motion) for k, text in bounds.items()
     }
     if rise_time is not None or order is not None:
         n, bound = _from_rise_time(rise_time, order, values)
@@ -88,12 +107,30 @@ def plan_move(
     if not values:
         raise ValueError(
             "no limit is given: bound at least one derivative, "
-            f"such as --acceleration {motion_kind(motion, 2).example!r}"
+            f"such as --acceleration {motion_kind(route.motion, 2).example!r}"
         )
     highest = max(values)
     limits = Limits.from_bounds(values.get(k, inf) for k in range(1, highest + 1))
-    move = min_time_move(length, limits, start=origin, method=method)
-    return Plan(move, limits, unit_of(distance))
+    move = min_time_move(route.length, limits, start=route.origin, method=method)
+    return Plan(move, limits, route.unit)
+
+
+def way(distance: str | None, start: str | None, to: str | None) -> Way:
+    """Read the way of a move from its distance, or from the position at its end."""
+    if distance is not None and to is not None:
+        raise ValueError(f"distance {distance!r} beside --to {to!r}: give one or the other")
+    if distance is None and to is None:
+        raise ValueError(
+            "no distance is given: write one such as '60 arcsec', or where to go, --to '60 arcsec'"
+        )
+    name, text = ("to", to) if distance is None else ("distance", distance)
+    try:
+        place, motion = parse_motion(text, 0)
+    except UnitError as error:
+        raise UnitError(f"{name}: {error}") from None
+    origin = 0.0 if start is None else quantity("start", start, motion_kind(motion, 0))
+    length = place if distance is not None else place - origin
+    return Way(origin, length, motion, unit_of(str(text)))
 
 
 def derivative_key(text: str) -> int:
@@ -113,10 +150,10 @@ def _bound(text: str, k: int, motion: Motion) -> float | tuple[float, float]:
     name = f"{derivative_name(k)} limit"
     sides = text.split(",")
     if len(sides) == 1:
-        return _quantity(name, text, motion_kind(motion, k, positive=True))
+        return quantity(name, text, motion_kind(motion, k, positive=True))
     kind = motion_kind(motion, k)
     if len(sides) == 2:
-        lower, upper = (_quantity(name, side, kind) for side in sides)
+        lower, upper = (quantity(name, side, kind) for side in sides)
         if lower < 0.0 < upper:
             return lower, upper
     raise UnitError(
@@ -144,11 +181,11 @@ def _from_rise_time(
             f"the {derivative_name(order)} limit is given twice, directly and by the rise time: "
             "leave one out"
         )
-    time = _quantity("rise time", rise_time, DURATION)
+    time = quantity("rise time", rise_time, DURATION)
     return order, bound_for_rise_time(acceleration, time, order)
 
 
-def _quantity(name: str, text: str, kind: Kind) -> float:
+def quantity(name: str, text: str, kind: Kind) -> float:
     """Read a quantity, errors headed by the name of what was read."""
     try:
         return parse_quantity(text, kind)

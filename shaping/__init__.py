@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
     from .transfers.synchronize import synchronize
+    from .transfers.synchronized import Synchronized
     from .transfers.transfer import min_time_transfer, velocity_transfer
+    from .transfers.velocity_move import VelocityMove, velocity_move
 
 # Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
 _LATER = {
@@ -33,7 +35,9 @@ _LATER = {
     "InfeasibleError": "transfers.infeasible",
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
+    "Synchronized": "transfers.synchronized",
     "Transfer": "transfers.problem",
+    "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
     "min_time_moves": "batches.moves",
@@ -41,6 +45,7 @@ _LATER = {
     "min_time_transfers": "batches.transfers",
     "s_curve_move": "transfers.s_curve",
     "synchronize": "transfers.synchronize",
+    "velocity_move": "transfers.velocity_move",
     "velocity_transfer": "transfers.transfer",
 }
 
@@ -54,8 +59,10 @@ __all__ = [
     "Limits",
     "MotionBatch",
     "SCurveMove",
+    "Synchronized",
     "Trajectory",
     "Transfer",
+    "VelocityMove",
     "binding_limits",
     "bound_for_rise_time",
     "certify",
@@ -68,6 +75,7 @@ __all__ = [
     "s_curve_move",
     "switch_fractions",
     "synchronize",
+    "velocity_move",
     "velocity_transfer",
 ]
 

@@ -56,6 +56,7 @@ from jounce.shaping import (
     perfect_spline,
     s_curve_move,
     synchronize,
+    velocity_move,
     velocity_transfer,
 )
 from jounce.shaping.recursive_s_curve import recursive_s_curve
@@ -71,6 +72,8 @@ LAG = control.tf([1.0], [1.0, 1.0])
 LIMITER = Limits(velocity=1.0)
 READINGS = MOVE.sample(0.1)
 DESIGN = {"crossover_hz": 1.0, "phase_margin_deg": 45.0, "lower_gain_margin_db": 12.0}
+AXES = synchronize([(0.0, 1.0, LIMITS), (2.0, 3.0, LIMITS)])
+SPIN = velocity_move(1.0, acceleration=2.0, acceleration_jerk=20.0)
 CURVE_RATES = {"velocity": 1.0, "acceleration": 2.0, "acceleration_jerk": 20.0}
 
 
@@ -132,6 +135,20 @@ NUMBERS = {
     "modify time": (lambda x: CURVE.modify(x, target=2.0), 0.5),
     "modify target": (lambda x: CURVE.modify(0.5, target=x), 0.5),
     "modify velocity": (lambda x: CURVE.modify(0.5, velocity=x), 0.5),
+    **{
+        f"velocity_move {name}": (
+            lambda x, name=name: velocity_move(
+                **{"velocity": 1.0, "acceleration": 2.0, "acceleration_jerk": 20.0, name: x}
+            ),
+            0.5,
+        )
+        for name in ("velocity", "acceleration", "deceleration", "acceleration_jerk", "delay", "dt")
+    },
+    "velocity modify time": (lambda x: SPIN.modify(x, velocity=2.0), 0.5),
+    "velocity modify": (lambda x: SPIN.modify(0.1, velocity=x), 0.5),
+    "velocity append": (SPIN.append, 0.5),
+    "synchronized modify time": (lambda x: AXES.modify(x, [2.0, 3.0]), 0.5),
+    "synchronized modify target": (lambda x: AXES.modify(0.5, [(x, 0.0), None]), 1.5),
     "append target": (CURVE.append, 0.5),
     "append delay": (lambda x: CURVE.append(2.0, delay=x), 0.5),
     "synchronize start": (lambda x: synchronize([(x, 1.0, LIMITS)]), 0.5),

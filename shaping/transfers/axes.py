@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,13 +11,19 @@ from ..checks import finite, state_numbers
 from ..limits import Limits
 from ..moves import min_time_move
 from ..real_numbers import shown
-from ..trajectory import Motion
+from ..trajectory import Motion, Trajectory
 from .infeasible import InfeasibleError
 from .problem import State, Transfer
 from .s_curve import SCurveMove
+from .s_curve_settings import SCurveSettings
 from .transfer import min_time_transfer
 
 Pair = tuple[float, float]
+Given = Motion | tuple[State, State, Limits] | tuple[State, State]
+"""A motion, or what its fastest motion is planned with; limits may be the resultant's alone."""
+
+Planned = Limits | SCurveSettings | None
+"""What an axis was planned with, as far as it is known."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +41,10 @@ class Axis:
         Highest derivative that has to stay bounded: that of the limits, or the lowest that jumps.
     rests : bool
         Whether it starts and ends at rest.
+    planned : Limits or SCurveSettings, optional
+        What it can be planned with anew.
+    slows : bool
+        Whether its motion is one S-curve that a lower velocity makes longer.
     """
 
     number: int
@@ -42,6 +52,8 @@ class Axis:
     limits: Limits | None
     order: int
     rests: bool
+    planned: Planned = None
+    slows: bool = False
 
     @property
     def span(self) -> float:
@@ -64,33 +76,48 @@ class Axis:
                 yield self.motion.extremes(k)
 
 
-def as_axis(number: int, given: Motion | tuple[State, State, Limits]) -> Axis:
-    """Return an axis from its motion, or from what its fastest motion is planned with."""
+def as_axis(number: int, given: Given, resultant: Limits | Motion | None = None) -> Axis:
+    """Return an axis from its motion, or from what its fastest motion is planned with.
+
+    An axis without limits of its own is planned within those of the resultant, which goes at
+    least as far.
+    """
     limits = given.limits if isinstance(given, Transfer) else None
+    own = True
     if isinstance(given, tuple | list) and len(given) == 3:
         start, end, limits = given
-        given = _planned(number, start, end, limits)
+        given = planned_motion(f"axis {number}", start, end, limits)
+    elif isinstance(given, tuple | list) and len(given) == 2 and resultant is not None:
+        own = False
+        start, end = given
+        if isinstance(resultant, Motion):
+            given = _evenly(number, start, end, resultant.duration)
+        else:
+            forwards = _position(start) <= _position(end)
+            limits = resultant if forwards else resultant.mirror()
+            given = planned_motion(f"axis {number}", start, end, limits)
     if not isinstance(given, Motion):
         raise TypeError(
             f"axis {number} = {shown(given)}: expected what min_time_transfer returns, or "
             "(start, end, limits), or another trajectory"
         )
-    stepping = limits is None and not _has_bounded_jerk(given)
-    order = given.lowest_jump() if stepping else given.order
+    axis = axis_of(number, given, limits)
+    return axis if own else replace(axis, planned=None)
+
+
+def axis_of(number: int, given: Motion, limits: Limits | None) -> Axis:
+    """Return an axis from its motion and, where they are known, its limits."""
+    settings = given.settings if isinstance(given, SCurveMove) else None
+    smooth = settings is not None and settings.rates.jerk_percent is None
+    order = given.lowest_jump() if limits is None and not smooth else given.order
     moving = slice(1, max(order, 1 + min(given.coasting, 1)))
     rests = not (given.start_state[moving].any() or given.end_state[moving].any())
     motion = given.delay(-given.start_time) if given.start_time else given
-    return Axis(number, motion, limits, order, rests)
+    return Axis(number, motion, limits, order, rests, limits if settings is None else settings)
 
 
-def _has_bounded_jerk(motion: Motion) -> bool:
-    """Tell whether a motion is an S-curve without steps of acceleration."""
-    if not isinstance(motion, SCurveMove) or motion.settings is None:
-        return False
-    return motion.settings.rates.jerk_percent is None
-
-
-def _planned(number: int, start: State, end: State, limits: Limits) -> Motion:
+def planned_motion(name: str, start: State, end: State, limits: Limits) -> Motion:
+    """Return the fastest motion within limits; errors are headed by a name."""
     try:
         if isinstance(limits, Limits) and limits.order not in (2, 3):
             places = _at_rest("start", start), _at_rest("end", end)
@@ -98,13 +125,32 @@ def _planned(number: int, start: State, end: State, limits: Limits) -> Motion:
                 return min_time_move(places[1] - places[0], limits, start=places[0])
         return min_time_transfer(start, end, limits)
     except InfeasibleError as error:
-        told = f"axis {number}: {error}"
+        told = f"{name}: {error}"
         raise InfeasibleError(told, error.bound, error.nearest) from error
     except ValueError as error:
-        raise ValueError(f"axis {number}: {error}") from error
+        raise ValueError(f"{name}: {error}") from error
+
+
+def _evenly(number: int, start: State, end: State, duration: float) -> Trajectory:
+    """Return a motion of constant velocity between two places at rest."""
+    places = _at_rest("start", start), _at_rest("end", end)
+    if places[0] is None or places[1] is None:
+        raise ValueError(
+            f"axis {number} = {shown((start, end))}: expected two positions beside a motion of "
+            "the resultant, which says how fast it is at either end"
+        )
+    if not duration:
+        return Trajectory([0.0], np.empty((0, 2)), end_state=[places[0], 0.0])
+    velocity = (places[1] - places[0]) / duration
+    return Trajectory([0.0, duration], [[places[0], velocity]], end_state=[places[1], 0.0])
 
 
 def _at_rest(name: str, state: State) -> float | None:
     """Return the position of a state of rest, None for another."""
     numbers = [finite(name, value) for value in state_numbers(name, state)]
     return numbers[0] if numbers and not any(numbers[1:]) else None
+
+
+def _position(state: State) -> float:
+    numbers = state_numbers("start", state)
+    return finite("position", numbers[0]) if numbers else 0.0

@@ -4,40 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import accumulate
 from math import inf
-from typing import Literal
-
-import numpy as np
 
 from ..checks import finite, in_range, positive
 from ..limits import Limits
-from ..trajectory import Trajectory
+from ..trajectory import Motion, Trajectory
 from .infeasible import InfeasibleError
-from .problem import Problem, State, checked_state
-from .s_curve_plan import ROUNDING, Motion, Piece, Rates, plan_move, stopping_place
+from .problem import Problem, State
+from .s_curve_plan import plan_move, stopping_place
+from .s_curve_ramps import Moment
+from .s_curve_settings import (
+    PercentKeeps,
+    SCurveSettings,
+    checked_delay,
+    checked_final,
+    jerk_remarks,
+    rates_of,
+    start_of,
+)
+from .under_way import before, of_pieces, spliced
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
-
-
-@dataclass(frozen=True)
-class SCurveSettings:
-    """What an S-curve move is planned with, as `s_curve_move` takes it."""
-
-    rates: Rates
-    final_velocity: float = 0.0
-    no_reversal: bool = False
-    dt: float | None = None
-
-    def changed(self, *, final_velocity: float | None, **given: float | None) -> SCurveSettings:
-        """Return the settings with the rates and the final velocity that are given."""
-        jerks = given["acceleration_jerk"], given["deceleration_jerk"]
-        if self.rates.jerk_percent is not None:
-            _check_no_jerk(*jerks, self.rates.jerk_percent)
-        new = {name: positive(name, value) for name, value in given.items() if value is not None}
-        rates = replace(self.rates, **new)  # type: ignore[arg-type]
-        final = self.final_velocity if final_velocity is None else final_velocity
-        return replace(self, rates=rates, final_velocity=_final(final, rates))
+_SLOWEST = 2.0**-40  # of the velocity: no slower way is looked for
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -95,9 +83,7 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        settings, time = self._known(), finite("time", time)
-        before = _waiting(self, time) if time < self.start_time else self.until(time)
-        settings = settings.changed(
+        settings = self._known().changed(
             velocity=velocity,
             acceleration=acceleration,
             deceleration=deceleration,
@@ -105,8 +91,10 @@ class SCurveMove(Trajectory):
             deceleration_jerk=deceleration_jerk,
             final_velocity=final_velocity,
         )
-        return self._onward(before, 0.0 if target is None else target, settings,
-                            relative or target is None)  # fmt: skip
+        been = before(self, finite("time", time))
+        if target is None:
+            target, relative = 0.0, True
+        return self._onward(been, target, settings, relative)
 
     def append(
         self,
@@ -142,17 +130,17 @@ class SCurveMove(Trajectory):
             deceleration_jerk=deceleration_jerk,
             final_velocity=final_velocity,
         )
-        before = self.until(self.end_time + _delay(delay))
-        return self._onward(before, target, settings, relative)
+        been = self.until(self.end_time + checked_delay(delay))
+        return self._onward(been, target, settings, relative)
 
     def _onward(
-        self, before: Trajectory, target: float, settings: SCurveSettings, relative: bool
+        self, been: Trajectory, target: float, settings: SCurveSettings, relative: bool
     ) -> SCurveMove:
         """Return a motion and a new plan behind it."""
         goal = finite("target", target) + (float(self.end_state[0]) if relative else 0.0)
-        x, v, a = before.end_state[:3].tolist()
+        x, v, a = been.end_state[:3].tolist()
         plan = _planned((x, v, a), goal, settings)
-        return _as_move(_spliced(before, plan), plan, settings)
+        return _as_move(spliced(been, plan), plan, settings)
 
     def _known(self) -> SCurveSettings:
         if self.settings is None:
@@ -169,7 +157,7 @@ def s_curve_move(
     acceleration_jerk: float | None = None,
     deceleration_jerk: float | None = None,
     jerk_percent: float | None = None,
-    percent_keeps: Literal["duration", "acceleration"] = "duration",
+    percent_keeps: PercentKeeps = "duration",
     start: State = 0.0,
     final_velocity: float = 0.0,
     relative: bool = False,
@@ -233,7 +221,7 @@ def s_curve_move(
 
     References
     ----------
-    Motion Engineering Inc., "S-Curve Jerk Algorithm".
+    Moment Engineering Inc., "S-Curve Jerk Algorithm".
 
     Examples
     --------
@@ -241,103 +229,78 @@ def s_curve_move(
     >>> round(move.duration, 3)
     3.2
     """
-    rates = _rates(
-        velocity, acceleration, deceleration, acceleration_jerk, deceleration_jerk, jerk_percent
+    rates = rates_of(
+        positive("velocity", velocity),
+        acceleration,
+        deceleration=deceleration,
+        acceleration_jerk=acceleration_jerk,
+        deceleration_jerk=deceleration_jerk,
+        jerk_percent=jerk_percent,
+        percent_keeps=percent_keeps,
     )
-    if percent_keeps not in ("duration", "acceleration"):
-        raise ValueError(
-            f"percent_keeps = {percent_keeps!r}: expected 'duration' or 'acceleration'"
-        )
-    rates = replace(rates, percent_keeps_peak=percent_keeps == "acceleration")
     if dt is not None:
         dt = positive("dt", dt)
-    delay = _delay(delay)
-    begin = checked_state("start", start, Limits(jerk=1.0))
+    delay, begin = checked_delay(delay), start_of(start, rates)
     goal = finite("target", target) + (begin[0] if relative else 0.0)
-    if jerk_percent is not None and begin[2] != 0.0:
-        raise ValueError(
-            f"start acceleration = {begin[2]!r} with a jerk percent, whose ramps begin at zero: "
-            "leave it out, or give jerks"
-        )
-    settings = SCurveSettings(rates, _final(final_velocity, rates), no_reversal, dt)
+    settings = SCurveSettings(rates, checked_final(final_velocity, rates), no_reversal, dt)
     plan = _planned(begin, goal, settings)
     return _as_move(plan.delay(delay) if delay else plan, plan, settings)
 
 
-def _rates(
-    velocity: float,
-    acceleration: float,
-    deceleration: float | None,
-    acceleration_jerk: float | None,
-    deceleration_jerk: float | None,
-    jerk_percent: float | None,
-) -> Rates:
-    velocity, acceleration = positive("velocity", velocity), positive("acceleration", acceleration)
-    if deceleration is None:
-        deceleration = acceleration
-    deceleration = positive("deceleration", deceleration)
-    if jerk_percent is not None:
-        _check_no_jerk(acceleration_jerk, deceleration_jerk, jerk_percent)
-        share = finite("jerk_percent", jerk_percent)
-        if not 0.0 <= share <= 1.0:
-            raise ValueError(
-                f"jerk_percent = {jerk_percent!r}: expected 0 to 1, such as 0.5 for 50 %"
-            )
-        return Rates(velocity, acceleration, deceleration, inf, inf, share)
-    if acceleration_jerk is None:
-        raise ValueError("no jerk given: expected acceleration_jerk or jerk_percent")
-    if deceleration_jerk is None:
-        deceleration_jerk = acceleration_jerk
-    return Rates(
-        velocity,
-        acceleration,
-        deceleration,
-        positive("acceleration_jerk", acceleration_jerk),
-        positive("deceleration_jerk", deceleration_jerk),
-    )
+def s_curve_from(begin: Moment, target: float, settings: SCurveSettings) -> SCurveMove:
+    """Return the plan from a state on, beginning at time 0."""
+    plan = _planned(begin, target, settings)
+    return _as_move(plan, plan, settings)
 
 
-def _delay(delay: float) -> float:
-    checked = finite("delay", delay)
-    if checked < 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a time ≥ 0")
-    return checked
+def longest(move: Motion) -> float:
+    """Return the duration up to which a lower velocity makes a plan longer."""
+    settings = _settings_of(move)
+    least = abs(settings.final_velocity)
+    return inf if not least else _slower(move, settings, least).duration
 
 
-def _check_no_jerk(
-    acceleration_jerk: float | None, deceleration_jerk: float | None, percent: float
-) -> None:
-    if acceleration_jerk is not None or deceleration_jerk is not None:
-        raise ValueError(f"jerk_percent = {percent!r} beside a jerk: give one or the other")
+def lasting(move: Motion, duration: float) -> SCurveMove | None:
+    """Return the plan of a move with the velocity that makes it last so long; None for none."""
+    settings = _settings_of(move)
+    low = high = settings.rates.velocity
+    least = max(abs(settings.final_velocity), high * _SLOWEST)
+    while _slower(move, settings, low).duration < duration:
+        if low <= least:
+            return None
+        low, high = max(0.5 * low, least), low
+    while low < (middle := 0.5 * (low + high)) < high:
+        if _slower(move, settings, middle).duration >= duration:
+            low = middle
+        else:
+            high = middle
+    slower = _slower(move, settings, low)
+    return slower if slower.duration <= duration * (1.0 + _TURNS) else None
 
 
-def _final(final_velocity: float, rates: Rates) -> float:
-    final_velocity = finite("final_velocity", final_velocity)
-    if abs(final_velocity) > rates.velocity:
-        raise ValueError(
-            f"final_velocity = {final_velocity!r}: expected at most the velocity, "
-            f"{rates.velocity!r}, either way"
-        )
-    return final_velocity
+def _settings_of(move: Motion) -> SCurveSettings:
+    assert isinstance(move, SCurveMove)
+    assert move.settings is not None
+    return move.settings
 
 
-def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:
+def _slower(move: Motion, settings: SCurveSettings, velocity: float) -> SCurveMove:
+    """Return the same plan with a lower velocity."""
+    slower = replace(settings, rates=replace(settings.rates, velocity=velocity))
+    x, v, a = move.start_state[:3].tolist()
+    return s_curve_from((x, v, a), float(move.end_state[0]), slower)
+
+
+def _planned(begin: Moment, target: float, settings: SCurveSettings) -> Trajectory:
     """Return the motion from a state to a target, beginning at time 0."""
-    rates = settings.rates
-    alike = (
-        rates.acceleration == rates.deceleration
-        and rates.acceleration_jerk == rates.deceleration_jerk
-    )
+    rates, final_velocity = settings.rates, settings.final_velocity
 
     def planned() -> Trajectory:
-        if alike and rates.jerk_percent is None:
+        if rates.alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
-            return Problem(begin, (target, settings.final_velocity), limits).fastest().trajectory
-        return _trajectory(
-            plan_move(begin, target, settings.final_velocity, rates),
-            target,
-            settings.final_velocity,
-        )
+            return Problem(begin, (target, final_velocity), limits).fastest().trajectory
+        pieces = plan_move(begin, target, final_velocity, rates)
+        return of_pieces(pieces, (target, final_velocity))
 
     motion = in_range(planned)
     if settings.no_reversal:
@@ -345,19 +308,8 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
     return motion
 
 
-def _trajectory(pieces: list[Piece], target: float, final_velocity: float) -> Trajectory:
-    pieces = [piece for piece in pieces if piece[0] > 0.0]
-    durations = np.array([duration for duration, _ in pieces])
-    breaks = np.array([0.0, *accumulate(durations.tolist())])
-    states = np.array([row for _, row in pieces]).reshape(len(pieces), 4)
-    if not (np.isfinite(breaks).all() and np.isfinite(states).all()):
-        raise OverflowError
-    end = np.array([target, final_velocity, 0.0, 0.0])
-    return Trajectory.from_arrays(breaks, states, durations, end)
-
-
 def _check_no_reversal(
-    motion: Trajectory, begin: Motion, target: float, settings: SCurveSettings
+    motion: Trajectory, begin: Moment, target: float, settings: SCurveSettings
 ) -> None:
     low, high = motion.extremes("velocity")
     slight = _TURNS * settings.rates.velocity
@@ -372,31 +324,13 @@ def _check_no_reversal(
     )
 
 
-def _waiting(move: Trajectory, time: float) -> Trajectory:
-    """Return a point at the state in which a move waits for its start."""
-    x, v = move.coasting_in()
-    end = [x + v * (time - move.start_time), v, 0.0, 0.0]
-    return Trajectory([time], np.empty((0, 4)), end_state=end)
-
-
-def _spliced(before: Trajectory, after: Trajectory) -> Trajectory:
-    """Return the motion that goes over from one to another, whose acceleration may step."""
-    breaks = before.end_time + after.breaks
-    return Trajectory.from_arrays(
-        np.append(before.breaks, breaks[1:]),
-        np.vstack([before.states, after.states]),
-        np.append(before.durations, after.durations),
-        after.end_state.copy(),
-    )
-
-
 def _as_move(motion: Trajectory, plan: Trajectory, settings: SCurveSettings) -> SCurveMove:
     """Return a motion, its last part the plan, as a move."""
     move = SCurveMove.from_arrays(motion.breaks, motion.states, motion.durations, motion.end_state)
     fields = move.__dict__  # the way around `frozen`
     fields["settings"], fields["remarks"] = (
         settings,
-        (*_remarks(settings), *_excess(plan, settings)),
+        (*jerk_remarks(settings), *_excess(plan, settings)),
     )
     return move
 
@@ -409,23 +343,3 @@ def _excess(motion: Trajectory, settings: SCurveSettings) -> Iterator[str]:
             f"velocity reaches {fastest:g}, beyond {settings.rates.velocity:g}: it was there, or "
             "on its way there, when the plan was made, and is brought down at once"
         )
-
-
-def _remarks(settings: SCurveSettings) -> Iterator[str]:
-    """Yield what is to be said about jerks outside a²/v ≤ jerk ≤ a/dt."""
-    rates = settings.rates
-    if rates.jerk_percent is not None:
-        return
-    for name in ("acceleration", "deceleration"):
-        a, jerk = getattr(rates, name), getattr(rates, f"{name}_jerk")
-        least = a * a / rates.velocity
-        if jerk < least * (1.0 - ROUNDING):
-            yield (
-                f"{name}_jerk = {jerk:g} is below {name}²/velocity = {least:g}: between rest and "
-                f"a velocity of {rates.velocity:g} the {name} of {a:g} is not reached"
-            )
-        if settings.dt is not None and jerk > a / settings.dt:
-            yield (
-                f"{name}_jerk = {jerk:g} is above {name}/dt = {a / settings.dt:g}: the {name} of "
-                f"{a:g} is reached within one sample"
-            )

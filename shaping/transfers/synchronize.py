@@ -3,30 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf
-from typing import Literal
 
 from ... import core
 from ..checks import one_of
-from ..limits import Limits
+from ..limits import Limits, of_one
 from ..real_numbers import shown
 from ..trajectory import Motion
-from .axes import Axis, as_axis
-from .infeasible import InfeasibleError
-from .problem import Problem, State, Transfer
-from .straight_line import straight_line
-
-_ROUNDING = 16.0 * 2.0**-52
-Mode = Literal["start", "end", "both", "straight-line"]
-Given = Motion | tuple[State, State, Limits]
+from .axes import Given, as_axis
+from .modes import MODES, Mode
+from .problem import Transfer
+from .synchronized import Synchronized, tied_together
 
 
-def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion, ...]:
+def synchronize(
+    transfers: Iterable[Given],
+    mode: Mode = "both",
+    *,
+    resultant: Limits | Motion | None = None,
+) -> Synchronized:
     """Return the transfers of several axes, tied together in time.
 
     Parameters
     ----------
-    transfers : iterable of Trajectory, Transfer or (start, end, limits)
+    transfers : iterable of Trajectory, (start, end, limits) or (start, end)
         One per axis: what `min_time_transfer`, `min_time_move`, `s_curve_move` or another shaper
         returns, or what the first two are planned with (from rest to rest at other orders than 2
         and 3). Orders and kinds may be mixed. Units may differ between axes but for that of time.
@@ -36,11 +35,17 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion
         axis can take. "straight-line": one profile for all, so that the axes stay on the line
         from start to end even where that is slower; the axes' limits all hold. Of an axis whose
         limits are not known (a move, an S-curve) the peaks of its motion hold.
+    resultant : Limits or Trajectory, optional
+        For a straight line: bounds of the motion along it, L·s(t) with L² = Σ R_i², which hold
+        besides those of the axes; or that motion itself, a distance of L, such as
+        `s_curve_move(L, …)`, slowed down as a whole where an axis asks for it. An axis may then
+        be (start, end), without limits of its own.
 
     Returns
     -------
-    tuple of Trajectory or Transfer
-        In the order given; what was planned within known limits is a transfer.
+    Synchronized
+        A tuple of trajectories, in the order given, that can be modified under way; of a straight
+        line its `resultant` is the motion along it.
 
     Raises
     ------
@@ -49,7 +54,8 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion
     ValueError
         For an unknown mode, no axis at all, "end" with an axis that must wait but moves at its
         start, or "straight-line" with velocities or accelerations off the line, or with a motion
-        not from rest to rest whose limits are not known or not all of one order.
+        not from rest to rest whose limits are not known or not all of one order; for a resultant
+        in another mode, or one that does not go as far as the axes.
 
     Notes
     -----
@@ -73,105 +79,46 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion
     ... ])
     >>> pan.duration, tilt.duration, round(tilt.peak("velocity"), 3)
     (4.5, 4.5, 2.28)
+    >>> x, y = synchronize(
+    ...     [(0.0, 3.0), (0.0, 4.0)], "straight-line", resultant=Limits(velocity=2.0)
+    ... )
+    >>> round(x.peak("velocity"), 12), round(y.peak("velocity"), 12)
+    (1.2, 1.6)
     """
-    one_of("mode", mode, ("start", "end", "both", "straight-line"))
+    one_of("mode", mode, MODES)
     if type(transfers) is not list:
         if isinstance(transfers, Motion) or not isinstance(transfers, Iterable):
             told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
             raise TypeError(told)
         transfers = list(transfers)
+    if resultant is not None:
+        _check_resultant(resultant, mode)
     if mode == "both":
         together = _in_the_core(transfers)
         if together is not None:
             return together
-    axes = [as_axis(number, given) for number, given in enumerate(transfers)]
-    if not axes:
+    if not transfers:
         raise ValueError("transfers is empty: expected at least one axis")
-    if mode == "straight-line":
-        return straight_line(axes)
-    if mode == "start":
-        return tuple(axis.motion for axis in axes)
-    if mode == "end":
-        return _ending_together(axes)
-    return _both(axes)
+    axes = [as_axis(number, given, resultant) for number, given in enumerate(transfers)]
+    return tied_together(axes, mode, resultant)
 
 
-def _in_the_core(transfers: list[Given]) -> tuple[Transfer, ...] | None:
+def _check_resultant(resultant: object, mode: Mode) -> None:
+    if mode != "straight-line":
+        raise ValueError(
+            f"resultant = {shown(resultant)} with mode = {mode!r}: it holds along a line, use "
+            "mode='straight-line'"
+        )
+    if not isinstance(resultant, Motion):
+        of_one(resultant)
+
+
+def _in_the_core(transfers: list[Given]) -> Synchronized | None:
     """Return transfers as they were planned, slowed down to one duration; None for others."""
     try:
         found = core.together(tuple(transfers), Transfer)
     except (AttributeError, TypeError, ValueError):  # made from arrays, or of another kind
         return None
-    return None if isinstance(found, int) or not found else found
-
-
-def _ending_together(axes: list[Axis]) -> tuple[Motion, ...]:
-    latest = max(axis.motion.duration for axis in axes)
-    for axis in axes:
-        waits = axis.motion.duration < latest * (1.0 - _ROUNDING)
-        if waits and any([*axis.motion.start_state[1 : axis.order], axis.motion.coasting_in()[1]]):
-            raise ValueError(
-                f"axis {axis.number} moves at its start and cannot wait: use mode='both', or start "
-                "it at rest"
-            )
-    return tuple(axis.motion.delay(latest - axis.motion.duration) for axis in axes)
-
-
-def _both(axes: list[Axis]) -> tuple[Motion, ...]:
-    problems = [_problem(axis) for axis in axes]
-    duration = _common_duration(
-        [_durations(axis, problem) for axis, problem in zip(axes, problems, strict=True)]
-    )
-    return tuple(
-        _lasting(axis, problem, duration) for axis, problem in zip(axes, problems, strict=True)
-    )
-
-
-def _problem(axis: Axis) -> Problem | None:
-    """Return the problem that a transfer solves, None for another motion."""
-    if axis.limits is None or axis.order not in (2, 3):
+    if isinstance(found, int) or not found:
         return None
-    states = (axis.motion.start_state, axis.motion.end_state)
-    start, end = (state[: axis.order].tolist() for state in states)
-    return Problem(start, end, axis.limits)
-
-
-def _durations(axis: Axis, problem: Problem | None) -> list[tuple[float, float]]:
-    """Return the intervals of durations that an axis can take."""
-    if problem is not None:
-        return problem.possible_durations()
-    return [(axis.motion.duration, inf if axis.rests else axis.motion.duration)]
-
-
-def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Motion:
-    own = axis.motion.duration
-    if own >= duration * (1.0 - _ROUNDING):
-        return axis.motion
-    if problem is None:
-        return axis.motion.stretch(duration / own) if own else axis.motion.until(duration)
-    return problem.lasting(duration)
-
-
-def _common_duration(possible: list[list[tuple[float, float]]]) -> float:
-    """Return the shortest duration that lies in an interval of every axis."""
-    duration = 0.0
-    while True:
-        following = max(_next_possible(intervals, duration) for intervals in possible)
-        if following == inf:
-            raise InfeasibleError(
-                "the axes have no duration in common: each can only take those of "
-                f"{possible}; start or end one of them with less velocity",
-                "velocity",
-                0.0,
-            )
-        if following <= duration:
-            return duration
-        duration = following
-
-
-def _next_possible(intervals: list[tuple[float, float]], duration: float) -> float:
-    """Return the shortest possible duration that is no shorter than the one given."""
-    for low, high in intervals:
-        if duration <= high * (1.0 + _ROUNDING):
-            return low if low > duration * (1.0 + _ROUNDING) else duration
-    return inf
+    return Synchronized.of(found, "both", tuple([one.limits for one in found]))

@@ -65,7 +65,12 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
 
 
 def velocity_transfer(
-    start: State, velocity: float, limits: Limits, *, acceleration: float = 0.0
+    start: State,
+    velocity: float,
+    limits: Limits,
+    *,
+    acceleration: float = 0.0,
+    relative: bool = False,
 ) -> Transfer:
     """Return the fastest change to another velocity, wherever it ends.
 
@@ -74,11 +79,12 @@ def velocity_transfer(
     start : (position, velocity[, acceleration])
         As in `min_time_transfer`.
     velocity : float
-        At the end.
+        At the end; from the start's where `relative`.
     limits : Limits
         Of order 2 or 3.
     acceleration : float, optional
         At the end; order 3 only.
+    relative : bool, optional
 
     Returns
     -------
@@ -102,7 +108,7 @@ def velocity_transfer(
     """
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
-    velocity = finite("end velocity", velocity)
+    velocity = finite("end velocity", velocity) + (v0 if relative else 0.0)
     acceleration = finite("end acceleration", acceleration)
     if limits.order == 2 and acceleration != 0.0:
         raise ValueError(

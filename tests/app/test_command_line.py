@@ -18,6 +18,42 @@ pytestmark = pytest.mark.usefixtures("folder")
 
 MOVE = ("plan", "60 arcsec")
 LIMIT = ("--acceleration", "0.2 deg/s^2")
+CURVE = ("--velocity", "0.1 deg/s", *LIMIT)
+UNSTABLE = """
+plant.inertia = "1 kg m^2"
+controller.gains = {kp = "28 N m/rad", ki = "38 N m/(rad s)", kr = "1 N m s/rad"}
+limits.axis = {acceleration = "0.2 deg/s^2"}
+moves = [{name = "go", distance = "60 arcsec", settle_to = "50 mas"}]
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    return tmp_path / "work"
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Save empty pictures, where the picture is not the point."""
+    monkeypatch.setattr(Figure, "savefig", lambda *args, **_: Path(args[1]).write_bytes(b"picture"))
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def refused(run, folder: Path, *arguments: object) -> str:
+    """Return the one line of a refusal that printed and wrote nothing else."""
+    before = names(folder)
+    status, out, errors = run(*arguments)
+    assert (status, out) == (2, "")
+    (line,) = errors
+    assert line.startswith("jounce: ")
+    assert names(folder) == before
+    return line
 
 
 def test_plan_prints_thompsons_values(run, folder):
@@ -34,6 +70,50 @@ def test_plan_goes_backwards_and_from_a_start(run):
     assert status == 0
     last = [line.split() for line in out.splitlines() if line.strip()][-1]
     assert last[:2] == ["0.577350269", "-120"]
+
+
+def test_plan_goes_from_one_position_to_another(run):
+    _, there, _ = run("plan", "--from", "-1 arcmin", "--to", "-120 arcsec", *LIMIT)
+    _, same, _ = run("plan", "-60 arcsec", *LIMIT, "--start", "-1 arcmin")
+    assert there == same
+    status, out, errors = run("plan", "--from", "1 mm", *LIMIT)
+    assert (status, out) == (2, "")
+    assert errors == ["jounce: no distance is given: write one such as '60 arcsec', or where to "
+                      "go, --to '60 arcsec'"]  # fmt: skip
+
+
+RATES = ("--velocity", "4 mm/s", "--acceleration", "8 mm/s^2", "--decel", "2 mm/s^2")
+
+
+def test_plan_takes_a_deceleration_and_a_jerk_percent(run):
+    """By hand: 0.5 s up to 4, 2 s down, and 3 mm in between; peaks are 1/(1 − 0.25) higher."""
+    move = ("plan", "--from", "10 mm", "--to", "2 mm", *RATES, "--jerk-percent")
+    for percent in ("50 %", "50"):
+        status, out, errors = run(*move, percent, "--csv", "move.csv")
+        assert (status, errors) == (0, [])
+        assert "Move of order 3, 3.25 s" in out
+        assert "-10.6666667 … 2.66666667" in out
+        assert "Slowing down: 2 mm/s^2, jerk percent 50 %, which keeps the duration" in out
+        header, *rows = list(csv.reader(Path("move.csv").read_text().splitlines()))
+        assert [float(x) for x in rows[-1][:3]] == pytest.approx([3.25, 2.0, 0.0], abs=1e-12)
+        assert len(header) == 5
+    _, out, _ = run(*move, "50 %", "--percent-keeps", "acceleration")
+    assert "Move of order 3, 3.666666667 s" in out  # ramps of 10/3 s, and 4/3 mm between
+    assert "8 mm/s^2, jerk percent 50 %, which keeps the acceleration" in out
+    _, out, _ = run(*move, "0 %")
+    assert re.search(r"jerk +0 ", out)
+
+
+def test_plan_takes_four_rates(run):
+    jerks = ("--jerk", "40 mm/s^3", "--deceleration-jerk", "10 mm/s^3")
+    status, out, errors = run("plan", "20 mm", *RATES, *jerks)
+    assert (status, errors) == (0, [])
+    up, down = 0.5 + 0.2, 2.0 + 0.2
+    assert f"Move of order 3, {up + down + (20.0 - 2.0 * (up + down)) / 4.0:.10g} s" in out
+    assert "-2 … 8" in out
+    assert "Slowing down: 2 mm/s^2, jerk 10 mm/s^3" in out
+    _, out, _ = run("plan", "20 mm", *RATES, "--jerk", "0.5 mm/s^3")
+    assert "acceleration_jerk = 0.5 is below acceleration²/velocity = 16: " in out
 
 
 def test_plan_takes_pairs_of_bounds(run):
@@ -176,6 +256,24 @@ def test_plan_draws(run, folder, name):
         (("--rise-time", "1 s", "--order", "6"), ["acceleration"]),
         ((*LIMIT, "--rise-time", "1 mm", "--order", "6"), ["rise time", "dimension"]),
         ((*LIMIT, "--start", "1 mm"), ["start", "dimension"]),
+        ((*LIMIT, "--from", "1 mm"), ["start", "dimension"]),
+        ((*LIMIT, "--to", "1 deg"), ["distance", "--to", "one or the other"]),
+        ((*CURVE, "--decel", "1 deg/s"), ["deceleration", "dimension"]),
+        ((*CURVE, "--decel", "-1 deg/s^2"), ["deceleration", "positive"]),
+        ((*CURVE, "--decel", "1 deg/s^2"), ["--jerk", "--jerk-percent"]),
+        ((*CURVE, "--jerk-percent", "0.5"), ["jerk percent", "'0.5'", "50 %"]),
+        ((*CURVE, "--jerk-percent", "120"), ["jerk percent", "'120'", "0 to 100 %"]),
+        ((*CURVE, "--jerk-percent", "-5 %"), ["jerk percent", "0 to 100 %"]),
+        ((*CURVE, "--jerk-percent", "nan"), ["jerk percent", "not finite"]),
+        ((*CURVE, "--jerk-percent", "half"), ["jerk percent", "50 %"]),
+        ((*CURVE, "--jerk-percent", "50 %", "--jerk", "1 deg/s^3"), ["in place of a jerk"]),
+        ((*CURVE, "--jerk-percent", "5 %", "--deceleration-jerk", "1 deg/s^3"), ["in place of"]),
+        ((*CURVE, "--jerk-percent", "50 %", "--percent-keeps", "jerk"), ["'duration' or 'acc"]),
+        ((*CURVE, "--jerk", "1 deg/s^3", "--percent-keeps", "duration"), ["--jerk-percent"]),
+        ((*LIMIT, "--jerk-percent", "50 %"), ["--velocity", "deg/s"]),
+        (("--velocity", "1 deg/s", "--jerk-percent", "50 %"), ["--acceleration", "deg/s^2"]),
+        ((*CURVE, "--jerk-percent", "50 %", "--certify"), ["--certify", "S-curve"]),
+        ((*CURVE, "--jerk-percent", "50 %", "--limit", "4=1 deg/s^4"), ["--limit", "S-curve"]),
     ],
 )
 def test_plan_refuses(run, folder, options, words):

@@ -20,7 +20,8 @@ from scipy.optimize import brentq
 
 from jounce.shaping import min_time_transfer
 from jounce.shaping.limits import Limits
-from jounce.shaping.transfers.s_curve_plan import Rates, plan_move, stopping_place
+from jounce.shaping.transfers.s_curve_plan import plan_move, stopping_place
+from jounce.shaping.transfers.s_curve_ramps import Rates
 
 SEEDS = range(100)
 ROUND = pytest.mark.parametrize("round_numbers", [False, True], ids=["generic", "round"])

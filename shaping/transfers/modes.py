@@ -1,0 +1,101 @@
+"""Motions of several axes from a state on, tied together in time: the ways of `synchronize`."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Literal
+
+from ..trajectory import Motion
+from .axes import Axis
+from .infeasible import InfeasibleError
+from .problem import Problem
+from .s_curve import lasting, longest
+
+_ROUNDING = 16.0 * 2.0**-52
+Mode = Literal["start", "end", "both", "straight-line"]
+MODES = ("start", "end", "both", "straight-line")
+
+
+def ending_together(axes: list[Axis]) -> list[Motion]:
+    """Return the motions, the faster ones after a wait."""
+    latest = max(axis.motion.duration for axis in axes)
+    for axis in axes:
+        waits = axis.motion.duration < latest * (1.0 - _ROUNDING)
+        if waits and any([*axis.motion.start_state[1 : axis.order], axis.motion.coasting_in()[1]]):
+            raise ValueError(
+                f"axis {axis.number} moves at its start and cannot wait: use mode='both', or start "
+                "it at rest"
+            )
+    return [axis.motion.delay(latest - axis.motion.duration) for axis in axes]
+
+
+def both_together(axes: list[Axis]) -> list[Motion]:
+    """Return motions of the shortest duration that every axis can take."""
+    problems = [_problem(axis) for axis in axes]
+    duration = _common_duration(
+        [_durations(axis, problem) for axis, problem in zip(axes, problems, strict=True)]
+    )
+    return [_lasting(axis, problem, duration) for axis, problem in zip(axes, problems, strict=True)]
+
+
+def _problem(axis: Axis) -> Problem | None:
+    """Return the problem that a transfer solves, None for another motion."""
+    if axis.limits is None or axis.order not in (2, 3):
+        return None
+    states = (axis.motion.start_state, axis.motion.end_state)
+    start, end = (state[: axis.order].tolist() for state in states)
+    return Problem(start, end, axis.limits)
+
+
+def _durations(axis: Axis, problem: Problem | None) -> list[tuple[float, float]]:
+    """Return the intervals of durations that an axis can take."""
+    if problem is not None:
+        return problem.possible_durations()
+    own = axis.motion.duration
+    if axis.rests:
+        return [(own, inf)]
+    return [(own, longest(axis.motion))] if axis.slows else [(own, own)]
+
+
+def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Motion:
+    own = axis.motion.duration
+    if own >= duration * (1.0 - _ROUNDING):
+        return axis.motion
+    if problem is not None:
+        return problem.lasting(duration)
+    if axis.rests:
+        return axis.motion.stretch(duration / own) if own else axis.motion.until(duration)
+    slower = lasting(axis.motion, duration)
+    if slower is None:
+        raise InfeasibleError(
+            f"axis {axis.number} has no S-curve of duration {duration!r} from its state: expected "
+            f"one near {own!r}; give it limits in place of its rates, or use mode='start'",
+            "velocity",
+            0.0,
+        )
+    return slower
+
+
+def _common_duration(possible: list[list[tuple[float, float]]]) -> float:
+    """Return the shortest duration that lies in an interval of every axis."""
+    duration = 0.0
+    while True:
+        following = max(_next_possible(intervals, duration) for intervals in possible)
+        if following == inf:
+            raise InfeasibleError(
+                "the axes have no duration in common: each can only take those of "
+                f"{possible}; start or end one of them with less velocity",
+                "velocity",
+                0.0,
+            )
+        if following <= duration:
+            return duration
+        duration = following
+
+
+def _next_possible(intervals: list[tuple[float, float]], duration: float) -> float:
+    """Return the shortest possible duration that is no shorter than the one given."""
+    for low, high in intervals:
+        if duration <= high * (1.0 + _ROUNDING):
+            return low if low > duration * (1.0 + _ROUNDING) else duration
+    return inf
