@@ -42,10 +42,8 @@ from jounce.shaping import (
     CommandFollower,
     JerkFilter,
     Limits,
-    SCurveMove,
     Trajectory,
     Transfer,
-    VelocityMove,
     certify,
     min_time_move,
     min_time_moves,
@@ -73,8 +71,6 @@ NOUNS = [
     MOVE,
     Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
     Transfer(MOVE, LIMITS),
-    SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
-    VelocityMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
     velocity_move(1.0, acceleration=2.0, acceleration_jerk=20.0),
     min_time_transfer((0.0, 2.0), 1.0, LIMITS),
     min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
@@ -208,8 +204,3 @@ def test_a_copied_trajectory_cannot_be_written_to_and_goes_on(way):
     np.testing.assert_array_equal(
         respond(lag, copied, 0.1).outputs, respond(lag, MOVE, 0.1).outputs
     )
-
-
-def test_a_move_made_from_arrays_says_what_it_lacks():
-    with pytest.raises(ValueError, match="was made from arrays: plan it by s_curve_move"):
-        SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]).append(1.0)

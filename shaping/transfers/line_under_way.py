@@ -165,7 +165,7 @@ def _onward(
     limits = _limits(line, planned, own)
     if isinstance(own, SCurveSettings):
         settings = _tightened(own, limits)
-        return s_curve_from(state, goal[0], replace(settings, final_velocity=goal[1]))
+        return s_curve_from(state, goal[0], replace(settings, final_velocity=goal[1])).trajectory
     assert limits is not None
     n = limits.order
     return min_time_transfer(state[:n], goal[:n], limits).trajectory

@@ -8,7 +8,7 @@ from math import inf
 
 from ..checks import finite, in_range, positive
 from ..limits import Limits
-from ..trajectory import Motion, Trajectory
+from ..trajectory import Motion, Planned, Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State
 from .s_curve_plan import plan_move, stopping_place
@@ -28,20 +28,22 @@ _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 _SLOWEST = 2.0**-40  # of the velocity: no slower way is looked for
 
 
-@dataclass(frozen=True, init=False, eq=False, repr=False)
-class SCurveMove(Trajectory):
-    """A trajectory of order 3 that can be modified under way and appended to.
+@dataclass(frozen=True, eq=False, repr=False)
+class SCurveMove(Planned):
+    """A motion of order 3 that can be modified under way and appended to.
 
     Attributes
     ----------
-    settings : SCurveSettings, optional
-        What its last part was planned with; None where it was made from arrays.
+    trajectory : Trajectory
+    settings : SCurveSettings
+        What its last part was planned with.
     remarks : tuple of str
         Jerks outside the range of sense, a²/v ≤ jerk ≤ a/dt, and what comes of it; a velocity
         beyond its bound that the last plan had to bring down.
     """
 
-    settings: SCurveSettings | None = None
+    trajectory: Trajectory
+    settings: SCurveSettings
     remarks: tuple[str, ...] = ()
 
     def modify(
@@ -83,7 +85,7 @@ class SCurveMove(Trajectory):
         ValueError
             As `s_curve_move`.
         """
-        settings = self._known().changed(
+        settings = self.settings.changed(
             velocity=velocity,
             acceleration=acceleration,
             deceleration=deceleration,
@@ -122,7 +124,7 @@ class SCurveMove(Trajectory):
         final_velocity : float, optional
             As in `s_curve_move`; what is left out stays as it was.
         """
-        settings = self._known().changed(
+        settings = self.settings.changed(
             velocity=velocity,
             acceleration=acceleration,
             deceleration=deceleration,
@@ -141,11 +143,6 @@ class SCurveMove(Trajectory):
         x, v, a = been.end_state[:3].tolist()
         plan = _planned((x, v, a), goal, settings)
         return _as_move(spliced(been, plan), plan, settings)
-
-    def _known(self) -> SCurveSettings:
-        if self.settings is None:
-            raise ValueError(f"{self!r} was made from arrays: plan it by s_curve_move to go on")
-        return self.settings
 
 
 def s_curve_move(
@@ -280,7 +277,6 @@ def lasting(move: Motion, duration: float) -> SCurveMove | None:
 
 def _settings_of(move: Motion) -> SCurveSettings:
     assert isinstance(move, SCurveMove)
-    assert move.settings is not None
     return move.settings
 
 
@@ -326,13 +322,8 @@ def _check_no_reversal(
 
 def _as_move(motion: Trajectory, plan: Trajectory, settings: SCurveSettings) -> SCurveMove:
     """Return a motion, its last part the plan, as a move."""
-    move = SCurveMove.from_arrays(motion.breaks, motion.states, motion.durations, motion.end_state)
-    fields = move.__dict__  # the way around `frozen`
-    fields["settings"], fields["remarks"] = (
-        settings,
-        (*jerk_remarks(settings), *_excess(plan, settings)),
-    )
-    return move
+    remarks = *jerk_remarks(settings), *_excess(plan, settings)
+    return SCurveMove(motion, settings, remarks)
 
 
 def _excess(motion: Trajectory, settings: SCurveSettings) -> Iterator[str]:

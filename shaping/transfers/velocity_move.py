@@ -7,7 +7,7 @@ from math import inf
 
 from ..checks import finite, in_range, positive
 from ..limits import Limits
-from ..trajectory import Trajectory
+from ..trajectory import Planned, Trajectory
 from .problem import Problem, State
 from .s_curve_ramps import Moment, distance_of, plan_velocity
 from .s_curve_settings import (
@@ -21,20 +21,21 @@ from .s_curve_settings import (
 from .under_way import before, of_pieces, spliced
 
 
-@dataclass(frozen=True, init=False, eq=False, repr=False)
-class VelocityMove(Trajectory):
+@dataclass(frozen=True, eq=False, repr=False)
+class VelocityMove(Planned):
     """A change of velocity, of order 3, that can be modified under way and appended to.
 
     Attributes
     ----------
-    settings : SCurveSettings, optional
-        What its last part was planned with, its velocity unbounded; None where it was made from
-        arrays.
+    trajectory : Trajectory
+    settings : SCurveSettings
+        What its last part was planned with, its velocity unbounded.
     remarks : tuple of str
         Jerks above a/dt, with which the acceleration is reached within one sample.
     """
 
-    settings: SCurveSettings | None = None
+    trajectory: Trajectory
+    settings: SCurveSettings
     remarks: tuple[str, ...] = ()
 
     def modify(
@@ -120,8 +121,6 @@ class VelocityMove(Trajectory):
 
     def _settings(self, velocity: float, relative: bool, **rates: float | None) -> SCurveSettings:
         """Return the settings of what follows."""
-        if self.settings is None:
-            raise ValueError(f"{self!r} was made from arrays: plan it by velocity_move to go on")
         final = _final(velocity, self.settings.final_velocity if relative else 0.0)
         return self.settings.changed(final_velocity=final, **rates)
 
@@ -244,9 +243,4 @@ def _planned(begin: Moment, settings: SCurveSettings) -> Trajectory:
 
 def _as_move(motion: Trajectory, settings: SCurveSettings) -> VelocityMove:
     """Return a motion as a move."""
-    move = VelocityMove.from_arrays(
-        motion.breaks, motion.states, motion.durations, motion.end_state
-    )
-    fields = move.__dict__  # the way around `frozen`
-    fields["settings"], fields["remarks"] = settings, tuple(jerk_remarks(settings))
-    return move
+    return VelocityMove(motion, settings, tuple(jerk_remarks(settings)))

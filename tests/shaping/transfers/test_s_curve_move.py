@@ -8,7 +8,7 @@ import pytest
 from references import replay
 from s_curves import assert_continuous, assert_within_rates, by_percent, random_s_curve
 
-from jounce.shaping import SCurveMove, s_curve_move
+from jounce.shaping import SCurveMove, Trajectory, s_curve_move
 
 SEEDS = range(100)
 RATES = ("velocity", "acceleration", "deceleration", "acceleration_jerk", "deceleration_jerk")
@@ -37,7 +37,7 @@ def assert_same_until(one, other, time, text=""):
 def after(motion, time):
     """Return the part of a motion from a time on."""
     first = np.flatnonzero(motion.breaks == time)[0]
-    return type(motion).from_arrays(
+    return Trajectory.from_arrays(
         motion.breaks[first:],
         motion.states[first:],
         motion.durations[first:],

@@ -231,8 +231,6 @@ def test_modify_and_append_refuse_what_velocity_move_refuses():
         go().modify(inf)
     with pytest.raises(ValueError, match=r"^deceleration = -1.0: expected a positive"):
         go().append(1.0, deceleration=-1.0)
-    with pytest.raises(ValueError, match="was made from arrays: plan it by velocity_move"):
-        VelocityMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]).append(1.0)
 
 
 def test_where_it_is_as_fast_already_it_takes_no_time():
