@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..plant import ServoLoop, respond
+from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.trajectory import point
 from .sampling import clock_for, followed, thinned
@@ -20,7 +21,7 @@ _DECAY = log(1e5)  # every mode is followed until this much of it has died away
 
 
 @dataclass(frozen=True, eq=False)
-class StepResponse:
+class StepResponse(Frozen):
     """Response of the closed loop, without feedforward, to a unit step of the command.
 
     `rise_time_s` is from 10 to 90 %, `settling_time_s` to ±2 %.

@@ -14,7 +14,7 @@ from ..shaping.derivatives import derivative_number
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propagate
 from ..shaping.real_numbers import real_array, shown
-from ..shaping.trajectory import checked_trajectory
+from ..shaping.trajectory import Motion, as_trajectory
 from .linear_system import static_gain
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _LARGE = 2**19  # doubles in 4 MiB
 
 def respond(
     system: control.StateSpace | control.TransferFunction,
-    trajectory: Trajectory,
+    trajectory: Motion,
     dt: float,
     *,
     derivatives: Sequence[int | str] = (0,),
@@ -92,7 +92,8 @@ def respond(
             f"{len(numbers)} derivatives for a system with {plant.ninputs} inputs "
             f"({', '.join(plant.input_labels)}): give one derivative of the trajectory per input"
         )
-    check_fed(checked_trajectory(trajectory), numbers)
+    trajectory = as_trajectory(trajectory)
+    check_fed(trajectory, numbers)
     dt = positive("dt", dt)
     _check_timebase(plant, dt)
     time, states, inputs, outputs = respond_on_grid(

@@ -21,6 +21,7 @@ from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..shaping import FollowerResponse, Trajectory
+from ..shaping.trajectory import Planned
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation
 from .describing_functions import (
@@ -87,6 +88,7 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
+    Planned: plot_trajectory,
     Survey: plot_survey,
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,

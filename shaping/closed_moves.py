@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import core
 from .checks import finite, range_error
-from .closed_form import fastest_plan
+from .closed_form import fastest_form
 from .derivatives import derivative_name
 from .limits import Limits, check_both_sides, of_one, one_sided
 from .rise import spline_divisor, to_trajectory
@@ -116,7 +116,7 @@ def fastest(distance: float, limits: Limits) -> Trajectory:
     bounds = magnitudes(limits)
     if not float_info.min <= distance / bounds[-1] < inf:
         raise OverflowError
-    return to_trajectory(fastest_plan(distance, bounds).build())
+    return to_trajectory(fastest_form(distance, bounds).build())
 
 
 def magnitudes(limits: Limits) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .closed_form import chain_plan
+from .closed_form import chain_form
 from .closed_moves import check_kept, magnitudes, planned
 from .limits import Limits
 from .rise import to_trajectory
@@ -54,7 +54,7 @@ def recursive_s_curve(distance: float, limits: Limits, *, start: float = 0.0) ->
     def plan(length: float, forward: Limits) -> Trajectory:
         bounds = magnitudes(forward)
         move = within_range(
-            lambda: to_trajectory(chain_plan(length, bounds, forward.order - 1).build())
+            lambda: to_trajectory(chain_form(length, bounds, forward.order - 1).build())
         )
         check_kept(move, forward)
         return move

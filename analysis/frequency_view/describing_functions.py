@@ -164,7 +164,7 @@ def describing_function(
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicResponse:
+class PeriodicResponse(Frozen):
     """One period of a sine and of what a shaper makes of it, once it repeats.
 
     Attributes

@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 
 from ...shaping import JerkFilter, Trajectory
 from ...shaping.checks import positive, whole
+from ...shaping.frozen import Frozen
 from ...shaping.jerk_filter import checked_filter
 from ...shaping.real_numbers import shown
+from ...shaping.trajectory import Motion, as_trajectory
 from ...shaping.trajectory_checks import finite_array
 from .spectrum import move_distance, variations, velocity_spectrum
 
@@ -22,14 +24,14 @@ if TYPE_CHECKING:
 
     ComplexArray = NDArray[np.complex128]
 
-Shaper = Trajectory | JerkFilter
+Shaper = Motion | JerkFilter
 
 _TRUSTED = 0.01  # error of a response that is trusted
 _MOST_POINTS = 1e8
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyResponse:
+class FrequencyResponse(Frozen):
     """H(jω) of a shaper.
 
     Attributes
@@ -103,7 +105,7 @@ def frequency_response(
     >>> bool(abs(response[0] - 1.0) < 1e-12), bool(abs(response[1]) < 1e-12)
     (True, True)
     """
-    _check(shaper, jerk_filter)
+    shaper = _checked(shaper, jerk_filter)
     frequencies = np.atleast_1d(finite_array("omega", omega))
     if isinstance(shaper, JerkFilter):
         response = _of_filter(shaper, frequencies)
@@ -114,9 +116,7 @@ def frequency_response(
     return FrequencyResponse(frequencies, response, np.inf)
 
 
-def fft_frequency_response(
-    trajectory: Trajectory, dt: float, padding: int = 8
-) -> FrequencyResponse:
+def fft_frequency_response(trajectory: Motion, dt: float, padding: int = 8) -> FrequencyResponse:
     """Return the frequency response by Thompson's method: FFT of the sampled velocity.
 
         H(jω_k) ≈ (dt/R)·Σ_i v(t_i)·e^(−jω_k·t_i),   ω_k = 2πk/(m·N·dt)
@@ -153,6 +153,7 @@ def fft_frequency_response(
     ----------
     Thompson, "Snap, Crackle, and Pop", Section VI.
     """
+    trajectory = as_trajectory(trajectory)
     distance, dt = move_distance(trajectory), positive("dt", dt)
     factor = whole("padding", padding, 1, 1000)
     if not trajectory.duration / dt * factor < _MOST_POINTS:
@@ -221,7 +222,7 @@ def corner_omega(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> fl
         response = frequency_response(shaper, omega, jerk_filter=jerk_filter).response[0]
         return float(abs(response) ** 2 - 0.5)
 
-    _check(shaper, jerk_filter)
+    shaper = _checked(shaper, jerk_filter)
     low = high = 0.01 * _pace(shaper, jerk_filter)
     while excess(high) > 0.0:
         low, high = high, 1.05 * high
@@ -233,12 +234,12 @@ def rollover_db_per_decade(shaper: Shaper, *, jerk_filter: JerkFilter | None = N
 
     20 dB for the order of the lowest derivative that jumps, and for every lag of a filter.
     """
-    _check(shaper, jerk_filter)
+    shaper = _checked(shaper, jerk_filter)
     order = shaper.order if isinstance(shaper, JerkFilter) else shaper.lowest_jump()
     return 20.0 * (order + (0 if jerk_filter is None else jerk_filter.order))
 
 
-def _pace(shaper: Shaper, jerk_filter: JerkFilter | None) -> float:
+def _pace(shaper: Trajectory | JerkFilter, jerk_filter: JerkFilter | None) -> float:
     """Return a frequency below which nothing happens but at a hundredth of it."""
     paces = [
         shaper.omega / shaper.order
@@ -250,11 +251,12 @@ def _pace(shaper: Shaper, jerk_filter: JerkFilter | None) -> float:
     return min(paces)
 
 
-def _check(shaper: Shaper, jerk_filter: JerkFilter | None) -> None:
-    if not isinstance(shaper, Trajectory | JerkFilter):
+def _checked(shaper: Shaper, jerk_filter: JerkFilter | None) -> Trajectory | JerkFilter:
+    if not isinstance(shaper, Motion | JerkFilter):
         raise TypeError(f"shaper = {shown(shaper)}: expected a Trajectory or a JerkFilter")
     if jerk_filter is not None:
         checked_filter(jerk_filter)
+    return shaper if isinstance(shaper, JerkFilter) else as_trajectory(shaper)
 
 
 def _of_filter(jerk_filter: JerkFilter, omega: FloatArray) -> ComplexArray:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...shaping import Trajectory
 from ...shaping.checks import one_of
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
+from ...shaping.trajectory import Motion, as_trajectory
 from ...shaping.trajectory_checks import finite_array
 from .frequency_responses import FrequencyResponse, corner_omega, frequency_response
 from .spectrum import move_distance
@@ -24,7 +25,7 @@ _UP_TO_CORNER = 200  # frequencies, at which the error up to the corner is looke
 
 
 @dataclass(frozen=True, eq=False)
-class CascadedLags:
+class CascadedLags(Frozen):
     """Lags in series beside the shaper they stand for.
 
     Attributes
@@ -69,7 +70,7 @@ class CascadedLags:
 
 
 def cascaded_lags(
-    trajectory: Trajectory, omega: ArrayLike, *, match: Literal["delay", "rates"] = "delay"
+    trajectory: Motion, omega: ArrayLike, *, match: Literal["delay", "rates"] = "delay"
 ) -> CascadedLags:
     """Return first-order lags in series that stand for a move as a filter, and their error.
 
@@ -132,6 +133,7 @@ def cascaded_lags(
     """
     one_of("match", match, ("delay", "rates"))
     frequencies = np.atleast_1d(finite_array("omega", omega))
+    trajectory = as_trajectory(trajectory)
     distance = abs(move_distance(trajectory))
     peaks = [distance, *(trajectory.peak(k) for k in range(1, trajectory.lowest_jump() + 1))]
     lags = np.array(peaks[:-1]) / np.array(peaks[1:])

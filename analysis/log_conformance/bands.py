@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...shaping.frozen import Frozen
 from .fit import PENALTY
 from .spline import SplineFit
 
@@ -31,7 +32,7 @@ _AVERAGED = 2.0  # width in τ of the average whose kernel is positive, to 0.2 %
 
 
 @dataclass(frozen=True, eq=False)
-class Band:
+class Band(Frozen):
     """A derivative over time with half-widths of its simultaneous 95 % band.
 
     Attributes

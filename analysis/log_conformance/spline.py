@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...shaping.frozen import Frozen
+
 if TYPE_CHECKING:
     from ...shaping.pieces import FloatArray
 
@@ -14,7 +16,7 @@ DEGREE = 5
 
 
 @dataclass(frozen=True, eq=False)
-class SplineFit:
+class SplineFit(Frozen):
     """A spline of degree 5 through readings, with the covariance of its coefficients.
 
     Attributes

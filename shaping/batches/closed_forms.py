@@ -11,7 +11,7 @@ from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
-from . import plans
+from .forms import Forms, Lanes, fastest, most_pieces, pieces, trajectory
 from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
 
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
@@ -28,7 +28,7 @@ class ClosedForms(Frozen):
     distances: FloatArray
     starts: FloatArray
     limits: Limits
-    forms: plans.Forms
+    forms: Forms
 
     def __post_init__(self) -> None:
         for array in (self.distances, self.starts, self.forms):
@@ -43,7 +43,7 @@ class ClosedForms(Frozen):
 
         def some(part: slice) -> None:
             lengths, bounds = _seen_forward(distances, limits, duration.shape, part)
-            result = plans.plan(lengths, bounds)
+            result = fastest(lengths, bounds)
             duration.reshape(-1)[part], forms.reshape(-1)[part] = result
 
         in_threads(some, duration.size, AT_ONCE // 2)  # whose arrays take half a megabyte
@@ -52,7 +52,7 @@ class ClosedForms(Frozen):
     @property
     def most(self) -> int:
         """Largest number of pieces of a motion."""
-        return plans.most_pieces(self.limits.order, self.forms)
+        return most_pieces(self.limits.order, self.forms)
 
     def select(self, index: Index) -> ClosedForms:
         """Return the problems that an index of numpy selects."""
@@ -68,7 +68,7 @@ class ClosedForms(Frozen):
         ahead = np.array([distance])
         length, bounds = _seen_forward(ahead, limits, (1,), slice(0, 1))
         form, numbers = int(self.forms[index]), [float(bound.item()) for bound in bounds]
-        move = within_range(lambda: plans.trajectory(float(length.item()), numbers, form))
+        move = within_range(lambda: trajectory(float(length.item()), numbers, form))
         spoilt = _spoilt_bound(move.states.T[..., None], bounds)
         if spoilt:
             raise _spoilt(spoilt[0], str(index))
@@ -88,7 +88,7 @@ class ClosedForms(Frozen):
         ends[:, 0] = starts + distances
         states[:] = ends[:, None]
         direction = np.where(distances < 0.0, -1.0, 1.0)
-        for chosen, durations, rows in plans.pieces(size, bounds, forms):
+        for chosen, durations, rows in pieces(size, bounds, forms):
             spoilt = _spoilt_bound(rows, [_of(bound, chosen) for bound in bounds])
             if spoilt:
                 move = int(np.arange(some.start, some.stop)[chosen][spoilt[1]])
@@ -116,7 +116,7 @@ def _seen_forward(
     return np.abs(distance), [velocity, *(np.minimum(high, -low) for low, high in others)]
 
 
-def _of(bound: FloatArray, chosen: plans.Lanes) -> FloatArray:
+def _of(bound: FloatArray, chosen: Lanes) -> FloatArray:
     return bound[chosen] if bound.ndim else bound
 
 

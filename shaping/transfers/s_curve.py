@@ -332,7 +332,7 @@ def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajecto
     def planned() -> Trajectory:
         if alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
-            return Problem(begin, (target, settings.final_velocity), limits).fastest()
+            return Problem(begin, (target, settings.final_velocity), limits).fastest().trajectory
         return _trajectory(
             plan_move(begin, target, settings.final_velocity, rates),
             target,

@@ -5,8 +5,8 @@ import pytest
 from move_batches import MoveProblem, random_moves, together
 
 from jounce.shaping.batches import closed_forms
-from jounce.shaping.batches.plans import piece_count
-from jounce.shaping.closed_form import chain_plan, swing_plan
+from jounce.shaping.batches.forms import piece_count
+from jounce.shaping.closed_form import chain_form, swing_form
 
 
 @pytest.mark.parametrize("order", [4, 5, 6])
@@ -15,8 +15,8 @@ def test_the_form_is_the_fastest(order):
     batch = together(problems)
     for problem, form, duration in zip(problems, batch.problems.forms, batch.duration, strict=True):
         bounds = [high for _, high in problem.bounds]
-        plans = [chain_plan(abs(problem.distance), bounds, level) for level in range(order)]
-        swing = swing_plan(abs(problem.distance), bounds)
+        plans = [chain_form(abs(problem.distance), bounds, level) for level in range(order)]
+        swing = swing_form(abs(problem.distance), bounds)
         lengths = [plan.duration for plan in plans] + ([swing.duration] if swing else [])
         assert duration == pytest.approx(min(lengths), rel=1e-14), problem
         assert lengths[form] == pytest.approx(min(lengths), rel=1e-14), problem

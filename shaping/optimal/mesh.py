@@ -1,4 +1,4 @@
-"""Grids of the half 0…1: where a closed form switches, and finer where a solution asks for it."""
+"""Meshes of the half 0…1: where a closed form switches, and finer where a solution asks for it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _AT_PEAK = 0.99
 _BESIDE = 1e-5  # of the half: what is lost by a node that far from a peak is next to nothing
 
 
-def graded_grid(move: Trajectory, cells: int) -> FloatArray:
+def graded_mesh(move: Trajectory, cells: int) -> FloatArray:
     """Return nodes among which are the breaks of the first half of a move, unless they are many.
 
     Half of the cells are spread evenly over time, half evenly over the pieces, long or short.

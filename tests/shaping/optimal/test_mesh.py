@@ -1,4 +1,4 @@
-"""Grids from outside: ends and breaks kept, nodes added where losses, switches and roots are."""
+"""Meshes from outside: ends and breaks kept, nodes added where losses, switches and roots are."""
 
 from math import factorial
 
@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from strategies import MAGNITUDES, bound_lists
 
 from jounce.shaping import Limits, Trajectory, min_time_move, perfect_spline
-from jounce.shaping.optimal.grids import (
-    graded_grid,
+from jounce.shaping.optimal.mesh import (
+    graded_mesh,
     refined,
     split_losses,
     split_sudden,
@@ -49,14 +49,14 @@ def cut(before, after):
     return np.diff(np.searchsorted(after, before)) > 1
 
 
-# The first grid
+# The first mesh
 
 
 @FEW
 @given(bounds=bound_lists(1, 7), cells=COUNTS)
-def test_a_graded_grid_has_the_breaks_unless_they_are_many(bounds, cells):
+def test_a_graded_mesh_has_the_breaks_unless_they_are_many(bounds, cells):
     move = closed_form(1.0, bounds)
-    nodes = graded_grid(move, cells)
+    nodes = graded_mesh(move, cells)
     assert_grid(nodes)
     breaks = move.breaks / (0.5 * move.duration)
     breaks = breaks[breaks < 1.0 - 1e-9]
@@ -72,7 +72,7 @@ def test_a_motion_of_very_many_pieces_makes_no_more_nodes_than_asked_for(pieces)
     lengths = rng.uniform(0.1, 1.0, pieces)
     breaks = np.concatenate([[0.0], np.cumsum([*lengths, *lengths[::-1]])])
     move = Trajectory(breaks, np.ones((2 * pieces, 5)))
-    nodes = graded_grid(move, 40)
+    nodes = graded_mesh(move, 40)
     assert_grid(nodes)
     assert len(nodes) <= 200
     assert np.diff(nodes).max() <= 3.0 / 40
@@ -83,8 +83,8 @@ def test_a_motion_of_very_many_pieces_makes_no_more_nodes_than_asked_for(pieces)
 def test_the_grid_has_no_units(bounds, distance, time):
     scaled = [b and b * distance / time**k for k, b in enumerate(bounds, start=1)]
     here, there = (
-        graded_grid(closed_form(1.0, bounds), 40),
-        graded_grid(closed_form(distance, scaled), 40),
+        graded_mesh(closed_form(1.0, bounds), 40),
+        graded_mesh(closed_form(distance, scaled), 40),
     )
     assert len(here) == len(there)
     np.testing.assert_allclose(there, here, rtol=0, atol=1e-11)
@@ -94,7 +94,7 @@ def test_short_ramps_get_as_many_nodes_as_long_cruises():
     """Half of the cells follow the pieces: each ramp of 1e-6 of the move has its share."""
     limits = Limits(velocity=1.0, acceleration=1e6, jerk=1e13)
     move = min_time_move(1.0, limits)
-    nodes = graded_grid(move, 40)
+    nodes = graded_mesh(move, 40)
     ramp = 2.0 * (move.breaks[3] - move.breaks[0]) / move.duration
     assert np.count_nonzero(nodes <= ramp) >= 10
     assert np.count_nonzero(nodes >= ramp) >= 15

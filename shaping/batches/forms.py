@@ -1,4 +1,4 @@
-"""Closed-form plans of many moves of order 4 and more: the fastest form of each, its pieces."""
+"""Closed forms of many moves of order 4 and more: the fastest of each, and its pieces."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..closed_form import ChainPlan, SwingPlan, chain_plan, fastest_plan, swing_plan
+from ..closed_form import ChainForm, SwingForm, chain_form, fastest_form, swing_form
 from ..pieces import FloatArray
 from ..rise import to_trajectory
 from ..trajectory import Trajectory
@@ -16,13 +16,13 @@ from .rises import chain_pieces, swing_pieces
 from .swings import swings
 
 Forms = NDArray[np.int8]
-"""Level of the chain plan that a move has, or its order n for a longer move without cruise."""
+"""Level of the chain that a move has, or its order n for a longer move without cruise."""
 
 Lanes = slice | NDArray[np.intp]
 """Which moves: all of a range, or some."""
 
 
-def plan(distance: FloatArray, bounds: Sequence[FloatArray]) -> tuple[FloatArray, Forms]:
+def fastest(distance: FloatArray, bounds: Sequence[FloatArray]) -> tuple[FloatArray, Forms]:
     """Return durations (K,) and forms (K,) of the fastest closed-form moves.
 
     Parameters
@@ -54,9 +54,9 @@ def pieces(
     Parameters
     ----------
     distance, bounds
-        As for `plan`.
+        As for `fastest`.
     forms : (K,) array
-        What `plan` returned.
+        What `fastest` returned.
     """
     order = len(bounds)
     with np.errstate(all="ignore"):
@@ -84,13 +84,13 @@ def _present(forms: Forms, order: int) -> list[int]:
 
 
 def trajectory(distance: float, bounds: Sequence[float], form: int) -> Trajectory:
-    """Return one move from 0, of a positive distance and the form that `plan` gave it."""
+    """Return one move from 0, of a positive distance and the form that `fastest` gave it."""
     swing = form == len(bounds)
-    chosen: ChainPlan | SwingPlan | None = (
-        swing_plan(distance, bounds) if swing else chain_plan(distance, bounds, form)
+    chosen: ChainForm | SwingForm | None = (
+        swing_form(distance, bounds) if swing else chain_form(distance, bounds, form)
     )
     if chosen is None:  # a swing that rounding forbids by a hair
-        chosen = fastest_plan(distance, bounds)
+        chosen = fastest_form(distance, bounds)
     return to_trajectory(chosen.build())
 
 
