@@ -39,12 +39,15 @@ def test_pieces_follow_one_another_and_last_as_long_as_asked(start, end, bounds,
     pieces = states[-len(durations) :]
     assert sum(map(Fraction, durations)) == pytest.approx(Fraction(duration), rel=1e-14)
     peaks = [
-        max(max(abs(piece[k]), abs(run_on(piece, t)[k])) for piece, t in zip(pieces, durations))
+        max(
+            max(abs(piece[k]), abs(run_on(piece, t)[k]))
+            for piece, t in zip(pieces, durations, strict=True)
+        )
         for k in range(3)
     ]
-    for piece, t, following in zip(pieces, durations, [*pieces[1:], motion.end_state]):
+    for piece, t, there in zip(pieces, durations, [*pieces[1:], motion.end_state], strict=True):
         for k, value in enumerate(run_on(piece, t)):
-            assert abs(value - Fraction(following[k])) <= peaks[k] * Fraction(1e-9)
+            assert abs(value - Fraction(there[k])) <= peaks[k] * Fraction(1e-9)
 
 
 def test_a_duration_that_only_rounding_allows_is_refused_and_never_another_one_taken():
