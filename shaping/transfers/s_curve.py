@@ -15,7 +15,8 @@ from ..limits import Limits
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
-from .s_curve_plan import ROUNDING, Motion, Piece, Rates, plan_move, stopping_place
+from .s_curve_plan import ROUNDING, plan_move, stopping_place
+from .s_curve_rates import Motion, Piece, Rates, in_own_units
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 
@@ -324,9 +325,10 @@ def _final(final_velocity: float, rates: Rates) -> float:
 def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:
     """Return the motion from a state to a target, beginning at time 0."""
     rates = settings.rates
+    binding = in_own_units(begin, target, settings.final_velocity, rates)[1]
     alike = (
-        rates.acceleration == rates.deceleration
-        and rates.acceleration_jerk == rates.deceleration_jerk
+        binding.acceleration == binding.deceleration
+        and binding.acceleration_jerk == binding.deceleration_jerk
     )
 
     def planned() -> Trajectory:
