@@ -31,7 +31,12 @@ class Standing:
     """
 
     def __init__(
-        self, description: FmuDescription, session: Session, log: Log, *, close: weakref.finalize[..., None]
+        self,
+        description: FmuDescription,
+        session: Session,
+        log: Log,
+        *,
+        close: weakref.finalize[..., None],
     ) -> None:
         self._name = description.model_name
         self._can = description.capabilities
