@@ -13,7 +13,7 @@ from references import replay
 
 from jounce.shaping import SCurveMove, Trajectory, s_curve_move
 from jounce.shaping.transfers.s_curve_plan import plan_move
-from jounce.shaping.transfers.s_curve_ramps import Pieces, Rates
+from jounce.shaping.transfers.s_curve_rates import Pieces, Rates
 
 
 @dataclass(frozen=True, repr=False)

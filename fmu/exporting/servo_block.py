@@ -101,7 +101,7 @@ def servo_block(sampled: SampledLoop, name: str, unit: str) -> Block:
         tuple(variables),
         "servo",
         constants=sizes
-        | {key: motion.constants[key] for key in ("ORDER", "N_BREAKS")}
+        | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
         | {
             "SAMPLE_TIME": repr(dt),
             "N_LAGS": str(0 if behind is None else behind.order),

@@ -14,7 +14,7 @@ from ..trajectory import Motion, Trajectory
 from .axes import Pair, Planned
 from .problem import Problem
 from .s_curve import SCurveMove, s_curve_from
-from .s_curve_ramps import Moment, Rates
+from .s_curve_rates import Moment, Rates
 from .s_curve_settings import SCurveSettings
 from .straight_line import ALIKE, tightest
 from .transfer import min_time_transfer

@@ -12,7 +12,7 @@ from ..trajectory import Motion, Planned, Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State
 from .s_curve_plan import plan_move, stopping_place
-from .s_curve_ramps import Moment
+from .s_curve_rates import Moment, in_own_units
 from .s_curve_settings import (
     PercentKeeps,
     SCurveSettings,
@@ -290,9 +290,10 @@ def _slower(move: Motion, settings: SCurveSettings, velocity: float) -> SCurveMo
 def _planned(begin: Moment, target: float, settings: SCurveSettings) -> Trajectory:
     """Return the motion from a state to a target, beginning at time 0."""
     rates, final_velocity = settings.rates, settings.final_velocity
+    binding = in_own_units(begin, target, final_velocity, rates)[1]
 
     def planned() -> Trajectory:
-        if rates.alike and rates.jerk_percent is None:
+        if binding.alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
             return Problem(begin, (target, final_velocity), limits).fastest().trajectory
         pieces = plan_move(begin, target, final_velocity, rates)

@@ -12,9 +12,6 @@ from math import sqrt
 
 from ... import core
 from .s_curve_ramps import (
-    Moment,
-    Pieces,
-    Rates,
     distance_of,
     ease,
     leg,
@@ -24,42 +21,56 @@ from .s_curve_ramps import (
     state_after,
     to_zero,
 )
+from .s_curve_rates import Moment, Pieces, Rates, in_own_units
 
 ROUNDING = 16.0 * 2.0**-52
 """Relative size below which a difference is taken for rounding."""
 
 _GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
+_GOLDEN_CUTS = 70  # down to rounding
 
 
 def plan_move(begin: Moment, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the pieces of a motion from a state to a position, passed at a final velocity.
 
-    With a jerk percent the acceleration at the beginning is taken for zero.
+    With a jerk percent the acceleration at the beginning is taken for zero. It is planned in the
+    problem's own units.
     """
     if rates.jerk_percent is not None:
         begin = begin[0], begin[1], 0.0
+    units, rates = in_own_units(begin, target, final_velocity, rates)
+    origin = begin[0] if begin[0] == target else 0.0  # which may be far off the range of the units
+    state = units.motion((begin[0] - origin, *begin[1:]))
+    goal = units.into(target - origin, 0), units.into(final_velocity, 1)
+    return units.pieces(_plan_towards(state, *goal, rates), origin)
+
+
+def _plan_towards(begin: Moment, target: float, final_velocity: float, rates: Rates) -> Pieces:
+    """Return the pieces of a plan in either direction."""
     course = begin[1] or begin[2] or target - begin[0]
     if course < 0.0:
         opposite = -begin[0], -begin[1], -begin[2]
-        return mirrored(plan_ahead(opposite, -target, -final_velocity, rates))
-    return plan_ahead(begin, target, final_velocity, rates)
+        return mirrored(_plan_ahead(opposite, -target, -final_velocity, rates))
+    return _plan_ahead(begin, target, final_velocity, rates)
 
 
 def stopping_place(begin: Moment, final_velocity: float, rates: Rates) -> float:
     """Return the nearest position that can be passed at a final velocity without turning round."""
+    units, rates = in_own_units(begin, begin[0], final_velocity, rates)
     sign = 1.0 if (begin[1] or begin[2] or final_velocity) >= 0.0 else -1.0
-    _, state = ease((sign * begin[0], sign * begin[1], sign * begin[2]), rates)
-    velocity = max(sign * final_velocity, 0.0)
+    _, state = ease(units.motion((0.0, sign * begin[1], sign * begin[2])), rates)
+    velocity = max(sign * units.into(final_velocity, 1), 0.0)
     settling = settling_velocity(state[1], state[2], rates)
     turn = _dip(state, velocity, rates) if velocity > settling > 0.0 else velocity
-    return sign * (state[0] + _distance_by_way_of(turn, state, velocity, rates))
+    way = state[0] + _distance_by_way_of(turn, state, velocity, rates)
+    return begin[0] + sign * units.back(way, 0)
 
 
-def plan_ahead(begin: Moment, target: float, final_velocity: float, rates: Rates) -> Pieces:
+def _plan_ahead(begin: Moment, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
     if settling_velocity(begin[1], begin[2], rates) < 0.0:
         first, state = to_zero(begin, rates)
-        return first + plan_move(state, target, final_velocity, rates)
+        return first + _plan_towards(state, target, final_velocity, rates)
     eased, begin = ease(begin, rates)
     direct = _one_way(begin, target, final_velocity, rates)
     if direct is not None:
@@ -110,6 +121,8 @@ def _one_way(begin: Moment, target: float, final_velocity: float, rates: Rates) 
             slows = a <= 0.0 and final_velocity <= v and rates.jerk_percent is None
             return _slowing(begin, target, final_velocity, rates, v) if slows else None
         turn = _largest(low, high, missing) if missing(low) > slack else low
+        rest = missing(turn)  # what rounding of the peak leaves of a short way at speed
+        rest = rest if rest > slack else 0.0
     return _by_way_of(
         turn, max(rest, 0.0) / turn if turn else 0.0, begin, target, final_velocity, rates
     )
@@ -185,7 +198,7 @@ def _dip(begin: Moment, final_velocity: float, rates: Rates) -> float:
     """
     low, high = 0.0, settling_velocity(begin[1], begin[2], rates)
     span = high
-    while span > ROUNDING * high:
+    for _ in range(_GOLDEN_CUTS):
         span *= _GOLDEN
         left, right = high - span, low + span
         if _distance_by_way_of(left, begin, final_velocity, rates) < _distance_by_way_of(

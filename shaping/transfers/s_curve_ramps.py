@@ -6,45 +6,11 @@ bounds for slowing down give way to those for speeding up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf, sqrt
 
 from ... import core
 from ..checks import range_error
-
-Piece = tuple[float, tuple[float, ...]]
-"""Duration, and position with derivatives at the start."""
-
-Pieces = list[Piece]
-
-Moment = tuple[float, float, float]
-"""Position, velocity, acceleration."""
-
-
-@dataclass(frozen=True)
-class Rates:
-    """How fast a motion may speed up and slow down.
-
-    With a jerk percent p the jerks are not used: every ramp lasts as long as at constant
-    acceleration A, and its jerk acts in p/2 of it at either end; so its peak acceleration is
-    A/(1 − p/2); or, `percent_keeps_peak`, ramps last 1/(1 − p/2) times as long, and A is the peak.
-    """
-
-    velocity: float
-    acceleration: float
-    deceleration: float
-    acceleration_jerk: float
-    deceleration_jerk: float
-    jerk_percent: float | None = None
-    percent_keeps_peak: bool = False
-
-    @property
-    def alike(self) -> bool:
-        """Whether speeding up and slowing down have the same bounds."""
-        return (
-            self.acceleration == self.deceleration
-            and self.acceleration_jerk == self.deceleration_jerk
-        )
+from .s_curve_rates import Moment, Pieces, Rates, in_own_units
 
 
 def plan_velocity(begin: Moment, velocity: float, rates: Rates) -> Pieces:
@@ -53,10 +19,16 @@ def plan_velocity(begin: Moment, velocity: float, rates: Rates) -> Pieces:
     With a jerk percent the acceleration at the beginning is taken for zero. Where rates differ
     and the motion must turn round, it stops first.
     """
-    if rates.jerk_percent is not None:
-        begin = begin[0], begin[1], 0.0
-        if rates.alike:
-            return leg(begin, velocity, rates)
+    start = 0.0, begin[1], begin[2] if rates.jerk_percent is None else 0.0
+    units, rates = in_own_units(start, 0.0, velocity, rates)
+    pieces = _change(units.motion(start), units.into(velocity, 1), rates)
+    return units.pieces(pieces, begin[0])
+
+
+def _change(begin: Moment, velocity: float, rates: Rates) -> Pieces:
+    """Return the pieces of a change in either direction."""
+    if rates.jerk_percent is not None and rates.alike:
+        return leg(begin, velocity, rates)
     course = begin[1] or begin[2] or velocity
     if course < 0.0:
         opposite = -begin[0], -begin[1], -begin[2]
@@ -68,7 +40,7 @@ def _velocity_ahead(begin: Moment, velocity: float, rates: Rates) -> Pieces:
     """Return the change from a velocity ≥ 0."""
     if settling_velocity(begin[1], begin[2], rates) < 0.0:
         first, state = to_zero(begin, rates)
-        return first + plan_velocity(state, velocity, rates)
+        return first + _change(state, velocity, rates)
     eased, begin = ease(begin, rates)
     if velocity >= 0.0:
         return eased + leg(begin, velocity, rates)

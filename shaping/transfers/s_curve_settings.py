@@ -11,7 +11,7 @@ from ..checks import finite, positive
 from ..limits import Limits
 from .problem import State, checked_state
 from .s_curve_plan import ROUNDING
-from .s_curve_ramps import Moment, Rates
+from .s_curve_rates import Moment, Rates
 
 PercentKeeps = Literal["duration", "acceleration"]
 """What a jerk percent leaves as it is: the trapezoid's duration, or the acceleration."""

@@ -8,7 +8,7 @@ from itertools import accumulate
 import numpy as np
 
 from ..trajectory import Motion, Trajectory
-from .s_curve_ramps import Piece
+from .s_curve_rates import Piece
 
 
 def before(motion: Motion, time: float) -> Trajectory:

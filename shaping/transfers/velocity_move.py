@@ -9,7 +9,8 @@ from ..checks import finite, in_range, positive
 from ..limits import Limits
 from ..trajectory import Planned, Trajectory
 from .problem import Problem, State
-from .s_curve_ramps import Moment, distance_of, plan_velocity
+from .s_curve_ramps import distance_of, plan_velocity
+from .s_curve_rates import Moment, in_own_units
 from .s_curve_settings import (
     PercentKeeps,
     SCurveSettings,
@@ -230,9 +231,10 @@ def _onward(been: Trajectory, settings: SCurveSettings) -> VelocityMove:
 def _planned(begin: Moment, settings: SCurveSettings) -> Trajectory:
     """Return the change from a state, beginning at time 0."""
     rates, final = settings.rates, settings.final_velocity
+    binding = in_own_units((0.0, *begin[1:]), 0.0, final, rates)[1]
 
     def planned() -> Trajectory:
-        if rates.alike and rates.jerk_percent is None:
+        if binding.alike and rates.jerk_percent is None:
             limits = Limits(acceleration=rates.acceleration, jerk=rates.acceleration_jerk)
             return Problem(begin, (begin[0], final), limits).change_of_velocity().trajectory
         pieces = plan_velocity(begin, final, rates)

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 import subprocess
 import sys
 import warnings
@@ -19,41 +20,6 @@ pytestmark = pytest.mark.usefixtures("folder")
 MOVE = ("plan", "60 arcsec")
 LIMIT = ("--acceleration", "0.2 deg/s^2")
 CURVE = ("--velocity", "0.1 deg/s", *LIMIT)
-UNSTABLE = """
-plant.inertia = "1 kg m^2"
-controller.gains = {kp = "28 N m/rad", ki = "38 N m/(rad s)", kr = "1 N m s/rad"}
-limits.axis = {acceleration = "0.2 deg/s^2"}
-moves = [{name = "go", distance = "60 arcsec", settle_to = "50 mas"}]
-"""
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch) -> Path:
-    """Work in an empty folder."""
-    (tmp_path / "work").mkdir()
-    monkeypatch.chdir(tmp_path / "work")
-    return tmp_path / "work"
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Save empty pictures, where the picture is not the point."""
-    monkeypatch.setattr(Figure, "savefig", lambda *args, **_: Path(args[1]).write_bytes(b"picture"))
-
-
-def names(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()}
-
-
-def refused(run, folder: Path, *arguments: object) -> str:
-    """Return the one line of a refusal that printed and wrote nothing else."""
-    before = names(folder)
-    status, out, errors = run(*arguments)
-    assert (status, out) == (2, "")
-    (line,) = errors
-    assert line.startswith("jounce: ")
-    assert names(folder) == before
-    return line
 
 
 def test_plan_prints_thompsons_values(run, folder):
