@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..derivatives import derivative_name
+from ..closed_moves import SPOILT, not_kept
 from ..frozen import Frozen
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
 from . import plans
 from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
-
-_SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +69,7 @@ class ClosedForms(Frozen):
         move = within_range(lambda: plans.trajectory(float(length.item()), numbers, form))
         spoilt = _spoilt_bound(move.states.T[..., None], bounds)
         if spoilt:
-            raise _spoilt(spoilt[0], str(index))
+            raise not_kept(spoilt[0], f" of move {index}")
         move = move if distance > 0.0 else move.mirror()
         return move.shift(start) if start else move
 
@@ -92,7 +90,7 @@ class ClosedForms(Frozen):
             spoilt = _spoilt_bound(rows, [_of(bound, chosen) for bound in bounds])
             if spoilt:
                 move = int(np.arange(some.start, some.stop)[chosen][spoilt[1]])
-                raise _spoilt(spoilt[0], index_text(move, shape))
+                raise not_kept(spoilt[0], f" of move {index_text(move, shape)}")
             m, rows = len(durations), rows * direction[chosen]
             rows[0] += starts[chosen]
             lengths[chosen, :m] = durations.T
@@ -126,15 +124,7 @@ def _spoilt_bound(states: FloatArray, bounds: list[FloatArray]) -> tuple[int, in
     Only rounding can do that, and takes bounds some 15 decades apart.
     """
     for k, bound in enumerate(bounds, start=1):
-        kept = np.abs(states[k]).max(axis=0) <= bound * (1.0 + _SPOILT)
+        kept = np.abs(states[k]).max(axis=0) <= bound * (1.0 + SPOILT)
         if not kept.all():
             return k, int(np.argmin(kept))
     return None
-
-
-def _spoilt(k: int, index: str) -> ValueError:
-    """Return the error about a bound on derivative k that cannot be kept."""
-    return ValueError(
-        f"the {derivative_name(k)} limit of move {index} cannot be kept in double precision: the "
-        "limits are too many decades apart; leave out those that never bind"
-    )
