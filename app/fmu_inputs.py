@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .text_files import text_of
+
 if TYPE_CHECKING:
     from ..fmu.importing.description import FmuUnit
     from ..shaping.pieces import FloatArray
@@ -73,15 +75,7 @@ def value_at(table: tuple[FloatArray, FloatArray], time: float, *, steps: bool) 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Yield number and text of the lines that hold something."""
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8 text"
-        ) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise ValueError(f"{path}: {reason}; name a CSV file of inputs") from None
+    text = text_of(path, "a CSV file of inputs")
     for number, line in enumerate(text.splitlines(), start=1):
         if line.strip() and not line.lstrip().startswith("#"):
             yield number, line

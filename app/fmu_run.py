@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,8 +14,10 @@ import typer
 if TYPE_CHECKING:
     from ..fmu.cosimulation.cosimulation_result import CosimulationResult
     from ..fmu.cosimulation.fmu_system import FmuSystem
-    from ..fmu.cosimulation.over_time import Source
-    from ..fmu.importing.description import FmuDescription, FmuError
+    from ..fmu.importing.description import FmuDescription, FmuError, FmuUnit
+    from ..shaping.pieces import FloatArray
+
+    Table = tuple[FloatArray, FloatArray]
 
 _MAX_PANELS = 40
 _NEARLY = 1e-9
@@ -102,7 +105,7 @@ def run_command(
     # a call that never returns would keep Python from hearing of a signal
     orderly = ended_in_order() if isolated else nullcontext()
     with printed_as_errors(), orderly:
-        loaded, tables = _loaded(file, setting or [], inputs, sha256, options)
+        loaded, tables = _loaded(_Asked(file, setting or [], inputs, sha256, options))
         with loaded as system:
             try:
                 result = system.run(_lasting(system, wanted, until), inputs=tables)
@@ -118,73 +121,76 @@ def run_command(
     print_parts(*(f"Wrote {path}" for path in written))
 
 
-def _loaded(
-    file: Path,
-    settings: Sequence[str],
-    inputs: Path | None,
-    sha256: str | None,
-    options: Mapping[str, Any],
-) -> tuple[FmuSystem, Mapping[str, Source]]:
+@dataclass(frozen=True)
+class _Asked:
+    """What the command line asks of a file: settings, inputs, a pinned digest, options."""
+
+    file: Path
+    settings: Sequence[str]
+    inputs: Path | None
+    sha256: str | None
+    options: Mapping[str, Any]
+
+    def tables(self, units: Mapping[str, FmuUnit | None]) -> Mapping[str, Table]:
+        """Return the inputs over time, converted to these units."""
+        from .fmu_inputs import read_inputs
+
+        return {} if self.inputs is None else read_inputs(self.inputs, units)
+
+    @property
+    def largest(self) -> int | None:
+        """How large the file may be when unpacked."""
+        size: int | None = self.options["max_unpacked_bytes"]
+        return size
+
+
+def _loaded(asked: _Asked) -> tuple[FmuSystem, Mapping[str, Table]]:
     """Return the system of a file, initialised with the inputs at its start, and its inputs.
 
     The file is the one that was looked into, or the pinned one.
     """
     from .fmu_options import is_ssp
 
-    load = _loaded_ssp if is_ssp(file) else _loaded_fmu
-    return load(file, settings, inputs, sha256, options)
+    return _loaded_ssp(asked) if is_ssp(asked.file) else _loaded_fmu(asked)
 
 
-def _loaded_ssp(
-    file: Path,
-    settings: Sequence[str],
-    inputs: Path | None,
-    sha256: str | None,
-    options: Mapping[str, Any],
-) -> tuple[FmuSystem, Mapping[str, Source]]:
+def _loaded_ssp(asked: _Asked) -> tuple[FmuSystem, Mapping[str, Table]]:
     from ..fmu.cosimulation.load_ssp import inspect_ssp, load_ssp
-    from .fmu_inputs import read_inputs, value_at
+    from .fmu_inputs import value_at
     from .fmu_options import settings_within
 
-    plan = inspect_ssp(file, max_unpacked_bytes=options["max_unpacked_bytes"])
+    plan = inspect_ssp(asked.file, max_unpacked_bytes=asked.largest)
     units, own = plan.units(), plan.structure.inputs
-    known = {name: units.get(name) for name in (*own, *plan.free_inputs())}
-    tables = {} if inputs is None else read_inputs(inputs, known)
-    values = settings_within(plan, settings)
+    tables = asked.tables({name: units.get(name) for name in (*own, *plan.free_inputs())})
+    values = settings_within(plan, asked.settings)
     for name, table in tables.items():
         block, _, variable = name.partition(".")
         steps = name not in own and _in_steps(plan.descriptions[block], variable)
         values[name] = value_at(table, plan.structure.start_time or 0.0, steps=steps)
-    pinned = plan.sha256 if sha256 is None else sha256
-    return load_ssp(file, sha256=pinned, parameters=values, **options), tables
+    pinned = plan.sha256 if asked.sha256 is None else asked.sha256
+    return load_ssp(asked.file, sha256=pinned, parameters=values, **asked.options), tables
 
 
-def _loaded_fmu(
-    file: Path,
-    settings: Sequence[str],
-    inputs: Path | None,
-    sha256: str | None,
-    options: Mapping[str, Any],
-) -> tuple[FmuSystem, Mapping[str, Source]]:
+def _loaded_fmu(asked: _Asked) -> tuple[FmuSystem, Mapping[str, Table]]:
     from ..fmu.cosimulation.fmu_system import system_of
     from ..fmu.cosimulation.participants import units_of
     from ..fmu.importing.load import load_fmu
     from ..fmu.importing.reading import inspect_fmu
-    from .fmu_inputs import read_inputs, value_at
+    from .fmu_inputs import value_at
     from .fmu_options import settings_of
 
-    description = inspect_fmu(file, max_unpacked_bytes=options["max_unpacked_bytes"])
+    description = inspect_fmu(asked.file, max_unpacked_bytes=asked.largest)
     units, prefix = units_of(description), f"{description.model_identifier}."
     labels = [label for v in description.of_causality("input") for label in v.labels]
-    known = {name + label: units.get(label) for name in ("", prefix) for label in labels}
-    tables = {} if inputs is None else read_inputs(inputs, known)
+    tables = asked.tables({n + label: units.get(label) for n in ("", prefix) for label in labels})
     start = description.default_experiment.start_time or 0.0
-    values = settings_of(description, settings)
+    values = settings_of(description, asked.settings)
     for name, table in tables.items():
         own = name if name in labels else name.removeprefix(prefix)
         values[own] = value_at(table, start, steps=_in_steps(description, own))
-    pinned = description.sha256 if sha256 is None else sha256
-    return system_of(load_fmu(file, sha256=pinned, parameters=values, **options)), tables
+    pinned = description.sha256 if asked.sha256 is None else asked.sha256
+    fmu = load_fmu(asked.file, sha256=pinned, parameters=values, **asked.options)
+    return system_of(fmu), tables
 
 
 def _in_steps(description: FmuDescription, name: str) -> bool:

@@ -25,7 +25,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     ValueError
         If the file cannot be read or is no TOML; the message names the path and the remedy.
     """
-    text = _text_of(path, what)
+    text = text_of(path, what)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -38,7 +38,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 def read_json(path: Path, what: str) -> Any:
     """Return the content of a JSON file, as `read_toml` does that of TOML."""
-    text = _text_of(path, what)
+    text = text_of(path, what)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
@@ -47,7 +47,8 @@ def read_json(path: Path, what: str) -> Any:
         raise ValueError(f"{path}: not readable JSON: {_UNREADABLE}; name {what}") from None
 
 
-def _text_of(path: Path, what: str) -> str:
+def text_of(path: Path, what: str) -> str:
+    """Return the text of a file in UTF-8; ValueError as of `read_toml` if it cannot be read."""
     try:
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

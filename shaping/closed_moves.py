@@ -17,7 +17,7 @@ from .move_units import in_own_units
 from .rise import to_trajectory
 from .trajectory import Trajectory, point, within_range
 
-_SPOILT = 1e-11  # an excess over a bound that is more than rounding
+SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
 MAX_MOVE_ORDER = 14
 """Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
@@ -27,11 +27,26 @@ def check_kept(move: Trajectory, limits: Limits) -> None:
     """Refuse a move spoilt by rounding, which takes bounds some 15 decades apart."""
     low, high = move.states[:, 1:].min(axis=0), move.states[:, 1:].max(axis=0)
     for k, (lower, upper) in enumerate(zip(limits.lower, limits.upper, strict=True)):
-        if low[k] < lower * (1.0 + _SPOILT) or high[k] > upper * (1.0 + _SPOILT):
-            raise ValueError(
-                f"the {derivative_name(k + 1)} limit cannot be kept in double precision: the "
-                "limits are too many decades apart; leave out those that never bind"
-            )
+        if low[k] < lower * (1.0 + SPOILT) or high[k] > upper * (1.0 + SPOILT):
+            raise not_kept(k + 1)
+
+
+def not_kept(derivative: int, move: str = "") -> ValueError:
+    """Return the error about a limit that rounding does not let a move keep."""
+    return ValueError(
+        f"the {derivative_name(derivative)} limit{move} cannot be kept in double precision: the "
+        "limits are too many decades apart; leave out those that never bind"
+    )
+
+
+def check_move_limits(limits: Limits) -> None:
+    """Refuse limits under which no move from rest to rest is planned, of one or of many."""
+    if limits.order > MAX_MOVE_ORDER:
+        raise ValueError(
+            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
+            "drop the highest bounds or use perfect_spline"
+        )
+    check_both_sides(limits)
 
 
 def planned(
@@ -42,12 +57,7 @@ def planned(
 ) -> Trajectory:
     """Return a move in either direction, planned in the positive one, after checks."""
     distance, start = finite("distance", distance), finite("start", start)
-    if of_one(limits).order > MAX_MOVE_ORDER:
-        raise ValueError(
-            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
-            "drop the highest bounds or use perfect_spline"
-        )
-    check_both_sides(limits)
+    check_move_limits(of_one(limits))
     if distance == 0.0:
         return point(start, limits.order)
     forward = limits if distance > 0.0 else limits.mirror()

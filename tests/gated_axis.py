@@ -2,21 +2,13 @@
 
 from pathlib import Path
 
+from scenario_texts import angular
+
 from jounce.app.gate import GateReport, check_scenario
 
-AXIS = """
-title = "Axis"
-[plant]
-inertia = "1 kg m^2"
-[controller]
-gains = {kp = "28 N m/rad", ki = "38 N m/(rad s)", kr = "5.4 N m s/rad"}
-[limits.axis]
-acceleration = "0.2 deg/s^2"
-[[moves]]
-name = "go"
-distance = "60 arcsec"
-settle_to = "50 mas"
-"""
+AXIS = 'title = "Axis"\n' + angular(
+    'gains = {kp = "28 N m/rad", ki = "38 N m/(rad s)", kr = "5.4 N m s/rad"}'
+)
 MODE = '[[modes]]\nname = "tower"\nfrequency = "1.3 Hz"\ndamping = "2 %"\n'
 
 

@@ -1,6 +1,4 @@
-"""A scenario file that is right, to be spoilt, and values written as TOML."""
-
-import json
+"""A scenario file that is right, to be spoilt."""
 
 GOOD = """
 [plant]
@@ -47,14 +45,3 @@ damping = "2 %"
 name = "go"
 frequency = "90 rpm"
 """
-
-
-def inline(value: object) -> str:
-    """Return a value as TOML on one line."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {inline(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(inline, value)) + "]"
-    if isinstance(value, str | bool):
-        return json.dumps(value, ensure_ascii=False)
-    return str(value)

@@ -9,6 +9,22 @@ DEGREE = math.pi / 180
 ARCSEC = DEGREE / 3600
 OMEGA_C = 2 * math.pi
 NAMES = ("without feedforward", "with feedforward", "Ĵ +10 %", "Ĵ -10 %")
+ANGULAR = """
+[plant]
+inertia = "1 kg m^2"
+[controller]
+GAINS
+[limits.axis]
+acceleration = "0.2 deg/s^2"
+[[moves]]
+name = "go"
+distance = "60 arcsec"
+settle_to = "50 mas"
+"""
+
+
+def angular(gains: str) -> str:
+    return ANGULAR.replace("GAINS", gains)
 
 
 def design(margin: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..derivatives import derivative_name
+from ..closed_moves import SPOILT, not_kept
 from ..frozen import Frozen
 from ..limits import Limits
 from ..move_units import MoveUnits, in_own_units
@@ -14,8 +14,6 @@ from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
 from .forms import Forms, Lanes, fastest, most_pieces, pieces, trajectory
 from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
-
-_SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +70,7 @@ class ClosedForms(Frozen):
         move = within_range(lambda: trajectory(float(length.item()), numbers, form))
         spoilt = _spoilt_bound(move.states.T[..., None], bounds)
         if spoilt:
-            raise _spoilt(spoilt[0], str(index))
+            raise not_kept(spoilt[0], f" of move {index}")
         move = within_range(lambda: units.select(0).trajectory(move))
         move = move if distance > 0.0 else move.mirror()
         return move.shift(start) if start else move
@@ -94,7 +92,7 @@ class ClosedForms(Frozen):
             spoilt = _spoilt_bound(rows, [_of(bound, chosen) for bound in bounds])
             if spoilt:
                 move = int(np.arange(some.start, some.stop)[chosen][spoilt[1]])
-                raise _spoilt(spoilt[0], index_text(move, shape))
+                raise not_kept(spoilt[0], f" of move {index_text(move, shape)}")
             own = units.select(chosen)
             m, durations = len(durations), own.times(durations)
             rows = np.stack([own.derivative(row, k) for k, row in enumerate(rows)])
@@ -133,15 +131,7 @@ def _spoilt_bound(states: FloatArray, bounds: list[FloatArray]) -> tuple[int, in
     Only rounding can do that, and takes bounds some 15 decades apart.
     """
     for k, bound in enumerate(bounds, start=1):
-        kept = np.abs(states[k]).max(axis=0) <= bound * (1.0 + _SPOILT)
+        kept = np.abs(states[k]).max(axis=0) <= bound * (1.0 + SPOILT)
         if not kept.all():
             return k, int(np.argmin(kept))
     return None
-
-
-def _spoilt(k: int, index: str) -> ValueError:
-    """Return the error about a bound on derivative k that cannot be kept."""
-    return ValueError(
-        f"the {derivative_name(k)} limit of move {index} cannot be kept in double precision: the "
-        "limits are too many decades apart; leave out those that never bind"
-    )

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from ... import core
 from ..batch import MotionBatch, Problems
-from ..closed_moves import MAX_MOVE_ORDER
+from ..closed_moves import check_move_limits
 from ..frozen import Frozen
-from ..limits import Limits, check_both_sides, not_limits, one_sided
+from ..limits import Limits, not_limits, one_sided
 from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
@@ -76,12 +76,7 @@ def min_time_moves(distances: ArrayLike, limits: Limits, *, start: ArrayLike = 0
     """
     if not isinstance(limits, Limits):
         raise not_limits(limits)
-    if limits.order > MAX_MOVE_ORDER:
-        raise ValueError(
-            f"limits of order {limits.order}: expected at most {MAX_MOVE_ORDER} for a move; "
-            "drop the highest bounds"
-        )
-    check_both_sides(limits)
+    check_move_limits(limits)
     lengths, starts = finite_array("distances", distances), finite_array("start", start)
     shape = _shape(lengths, starts, limits)
     duration = np.empty(shape)

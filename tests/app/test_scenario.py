@@ -4,7 +4,8 @@ import math
 from pathlib import Path
 
 import pytest
-from good_scenario import GOOD, LINEAR, MODES, changed, inline
+from good_scenario import GOOD, LINEAR, MODES, changed
+from toml_values import inline
 
 from jounce.analysis.specification import Mode, Specification
 from jounce.app.scenario import (

@@ -3,9 +3,10 @@
 import math
 from pathlib import Path
 
-from good_scenario import GOOD, inline
+from good_scenario import GOOD
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
+from toml_values import inline
 
 from jounce.app.scenario import (
     Scenario,

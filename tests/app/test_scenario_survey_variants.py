@@ -8,7 +8,7 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
-from scenario_texts import ARCSEC, DEGREE, NAMES, design, designed, step_of
+from scenario_texts import ARCSEC, DEGREE, NAMES, angular, design, designed, step_of
 
 from jounce.analysis import UnstableLoopError
 from jounce.app import load_scenario, survey_file
@@ -28,23 +28,7 @@ name = "go"
 distance = "20 mm"
 settle_to = "1 um"
 """
-ANGULAR = """
-[plant]
-inertia = "1 kg m^2"
-[controller]
-GAINS
-[limits.axis]
-acceleration = "0.2 deg/s^2"
-[[moves]]
-name = "go"
-distance = "60 arcsec"
-settle_to = "50 mas"
-"""
 WITH_FILTER = '[filter]\ncorner = "2 Hz"\norder = 6\n'
-
-
-def angular(gains: str) -> str:
-    return ANGULAR.replace("GAINS", gains)
 
 
 def gains_table(kp: float, ki: float, kr: float) -> str:

@@ -2,9 +2,9 @@
 
 from math import inf, nan
 
-import mpmath
 import numpy as np
 import pytest
+from transforms import random_move, transform_in_digits
 
 from jounce.analysis import (
     corner_omega,
@@ -24,27 +24,8 @@ from jounce.shaping import (
 
 
 def in_60_digits(move, omega):
-    """Return H(jω) of the doubles that a move is made of, integrated by parts in each piece."""
-    with mpmath.workdps(60):
-        s, total, time = mpmath.mpc(0, omega), mpmath.mpc(0), mpmath.mpf(0)
-        for state, duration in zip(move.states.tolist(), move.durations.tolist(), strict=True):
-            row, tau = [mpmath.mpf(x) for x in state], mpmath.mpf(duration)
-            turned = mpmath.exp(-s * tau)
-            for k in range(1, len(row)):
-                end = mpmath.fsum(
-                    row[j] * tau ** (j - k) / mpmath.factorial(j - k) for j in range(k, len(row))
-                )
-                total += mpmath.exp(-s * time) * (row[k] - end * turned) / s**k
-            time += tau
-        return complex(total / mpmath.mpf(float(move.end_state[0] - move.start_state[0])))
-
-
-def random_move(order, seed):
-    rng = np.random.default_rng((order, seed))
-    bounds = [10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)]
-    return min_time_move(
-        float(rng.choice([-1.7, 1.7])), Limits.from_bounds(bounds), start=0.3, method="closed-form"
-    )
+    """Return H(jω): the transform of the velocity over the distance."""
+    return transform_in_digits(60, move, 1j * omega) / (move.end_state[0] - move.start_state[0])
 
 
 @pytest.mark.parametrize("seed", range(4))

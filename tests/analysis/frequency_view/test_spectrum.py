@@ -1,8 +1,8 @@
 """Laplace transform of the velocity: against 120 digits, closed forms and symmetries."""
 
-import mpmath
 import numpy as np
 import pytest
+from transforms import random_move, transform_in_digits
 
 from jounce.analysis.frequency_view.spectrum import spectrum_bound, velocity_spectrum
 from jounce.shaping import (
@@ -18,30 +18,6 @@ MODULI = [1e-6, 1.0, 29.0, 31.0, 700.0, 1e4]
 ANGLES_DEG = [0.0, 90.0, 95.0, 120.0, 269.0]
 
 
-def in_120_digits(motion, s, from_end):
-    """Return V(s) of the doubles that a motion is made of, integrated by parts in each piece."""
-    with mpmath.workdps(120):
-        s, total, time = mpmath.mpc(s), mpmath.mpc(0), mpmath.mpf(0)
-        for state, duration in zip(motion.states.tolist(), motion.durations.tolist(), strict=True):
-            row, tau = [mpmath.mpf(x) for x in state], mpmath.mpf(duration)
-            turned = mpmath.exp(-s * tau)
-            for k in range(1, len(row)):
-                end = mpmath.fsum(
-                    row[j] * tau ** (j - k) / mpmath.factorial(j - k) for j in range(k, len(row))
-                )
-                total += mpmath.exp(-s * time) * (row[k] - end * turned) / s**k
-            time += tau
-        return complex(total * (mpmath.exp(s * time) if from_end else 1))
-
-
-def random_move(order, seed):
-    rng = np.random.default_rng((order, seed))
-    bounds = [10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)]
-    return min_time_move(
-        float(rng.choice([-1.7, 1.7])), Limits.from_bounds(bounds), start=0.3, method="closed-form"
-    )
-
-
 @pytest.mark.parametrize("from_end", [False, True], ids=["from start", "from end"])
 @pytest.mark.parametrize("order", range(1, 8))
 def test_moves_in_120_digits(order, from_end):
@@ -52,7 +28,7 @@ def test_moves_in_120_digits(order, from_end):
     largest = np.exp(np.maximum(growth[growth < 600.0], 0.0))
     s = turns / move.duration
     found = velocity_spectrum(move, s, from_end=from_end)
-    expected = np.array([in_120_digits(move, z, from_end) for z in s])
+    expected = np.array([transform_in_digits(120, move, z, from_end) for z in s])
     error = np.abs(found - expected) / (abs(move.end_state[0] - move.start_state[0]) * largest)
     assert error.max() < 1e-13, (move, turns[error.argmax()])
 
@@ -79,7 +55,7 @@ def test_zero_is_the_distance_and_units_do_not_matter(unit):
 )
 def test_any_motion(motion):
     s = np.array([0.01, 2j, -1.0 + 3j, 1.0 - 30j, 200.0])
-    expected = np.array([in_120_digits(motion, z, False) for z in s])
+    expected = np.array([transform_in_digits(120, motion, z, False) for z in s])
     np.testing.assert_allclose(velocity_spectrum(motion, s), expected, rtol=1e-12, atol=1e-13)
 
 

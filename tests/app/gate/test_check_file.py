@@ -1,12 +1,12 @@
 """Check files: bounds and tolerances by name, one clear line for each problem."""
 
-import json
 import math
 from pathlib import Path
 
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
+from toml_values import inline
 
 from jounce.app.gate.check_file import (
     CheckError,
@@ -180,17 +180,6 @@ VALUES = st.recursive(
 PLACES = st.sampled_from(
     ["rtol", "margins", "moves", "margins.phase_margin_deg", 'moves."60 arcsec step"', "x.y"]
 )
-
-
-def inline(value: object) -> str:
-    """Return a value as TOML on one line."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {inline(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(inline, value)) + "]"
-    if isinstance(value, str | bool):
-        return json.dumps(value, ensure_ascii=False)
-    return str(value)
 
 
 @seed(4)

@@ -40,7 +40,7 @@ def test_no_move_has_more_pieces_than_its_form(order):
 def test_what_rounding_spoils_is_refused(monkeypatch):
     """It takes worse bounds than a double can hold to get there, so the tolerance is lowered."""
     batch = together(random_moves(2, 4, 6))
-    monkeypatch.setattr(closed_forms, "_SPOILT", -1e-3)
+    monkeypatch.setattr(closed_forms, "SPOILT", -1e-3)
     with pytest.raises(ValueError, match=r"limit of move [0-5] cannot be kept in double precision"):
         batch.pieces()
     with pytest.raises(ValueError, match="limit of move 3 cannot be kept in double precision"):
