@@ -30,7 +30,7 @@ def test_the_pair_holds_the_same_cells_and_no_output(path):
 
 @pytest.fixture(scope="module")
 def kernel():
-    """Start one kernel for all, which loads the libraries once; each notebook's names are its own."""
+    """Start one kernel, which loads the libraries once; the names of each notebook go."""
     manager = KernelManager()
     place = {"metadata": {"path": str(FOLDER)}}
     client = NotebookClient(new_notebook(), km=manager, timeout=120, resources=place)
