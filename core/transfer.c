@@ -143,7 +143,13 @@ static int starts_within(const jounce_task *t) {
 /* Scale a plan back to the caller's units; it ends at `end`. */
 jounce_status jounce_finish(const jounce_problem *p, const jounce_state *end, const jounce_limits *limits,
                             jounce_motion *motion) {
+    const jounce_task *t = &p->whole;
     scale_up(p, motion);
+    if (motion->count > 0) { /* reckoned from the end it may be off by rounding */
+        motion->pieces[0].x = scaled(p->start, p->units.length);
+        motion->pieces[0].v = scaled(jounce_inside(t->v0, t->v_min, t->v_max),
+                                     p->units.length - p->units.time);
+    }
     motion->end = *end;
     motion->end.v = jounce_inside(end->v, limits->v_low, limits->v_high);
     motion->end.a =

@@ -5,7 +5,9 @@ from pathlib import Path
 import jupytext
 import nbformat
 import pytest
+from jupyter_client.manager import KernelManager
 from nbclient import NotebookClient
+from nbformat.v4 import new_code_cell, new_notebook
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.py"))
@@ -26,11 +28,24 @@ def test_the_pair_holds_the_same_cells_and_no_output(path):
     assert not any(c.get("outputs") for c in notebook.cells)
 
 
+@pytest.fixture(scope="module")
+def kernel():
+    """Start one kernel, which loads the libraries once; the names of each notebook go."""
+    manager = KernelManager()
+    place = {"metadata": {"path": str(FOLDER)}}
+    client = NotebookClient(new_notebook(), km=manager, timeout=120, resources=place)
+    yield client
+    client.kc.stop_channels()
+    manager.shutdown_kernel(now=True)
+    manager.cleanup_resources()
+
+
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_it_runs_without_warnings(path):
+def test_it_runs_without_warnings(path, kernel):
     notebook = nbformat.read(path.with_suffix(".ipynb"), as_version=4)
-    client = NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(FOLDER)}})
-    client.execute()
+    notebook.cells.insert(0, new_code_cell("%reset -f"))
+    kernel.nb = notebook
+    kernel.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert any("image/png" in o.get("data", {}) for o in outputs), "a notebook shows a picture"
     assert not [o.text for o in outputs if o.get("name") == "stderr"]

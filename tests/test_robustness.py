@@ -3,20 +3,30 @@
 import os
 
 import pytest
-from edge_grid import OUTCOMES, count, problems
+from edge_grid import LIMITS, OUTCOMES, count, problems, problems_of
 
 from jounce.shaping import InfeasibleError, min_time_transfer, min_time_transfers
 
-EVERY = 1 if os.environ.get("JOUNCE_TIER") == "slow" else 37
+SLOW = os.environ.get("JOUNCE_TIER") == "slow"
+EVERY = 1 if SLOW else 7
 
 
 @pytest.mark.slow
 def test_the_edge_grid():
-    found, wrong = count(EVERY)
+    found, wrong = count(problems(EVERY))
     print(dict(found))
     assert not wrong, "\n".join(wrong)
     assert sum(found.values()) >= 60_000 / EVERY
     assert all(found[name] > 0 for name in OUTCOMES[:3])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SLOW, reason="half a million problems; JOUNCE_TIER=slow")
+@pytest.mark.parametrize("limits", LIMITS, ids=str)
+def test_the_fine_edge_grid(limits):
+    found, wrong = count(problems_of(limits, fine=True))
+    assert not wrong, "\n".join(wrong[:20])
+    assert sum(found.values()) >= 9 ** (2 * limits.order - 1)
 
 
 @pytest.mark.slow

@@ -106,10 +106,13 @@ def worst_error(jerk_filter, trajectory, dt, duration=None, samples=2, seed=0):
     """
     response = jerk_filter.respond(trajectory, dt, duration=duration)
     # A coarse grid may pass a row's peak by: seen at 1.00001·T a step's jerk is next to nothing.
+    around = 2.0 * trajectory.duration
     finely = jerk_filter.respond(
-        trajectory, min(dt, trajectory.duration / 300.0), duration=duration
+        trajectory,
+        min(dt, trajectory.duration / 300.0),
+        duration=around if duration is None else min(duration, around),
     )
-    peaks = np.abs(finely.states).max(axis=1)
+    peaks = np.maximum(*(np.abs(each.states).max(axis=1) for each in (response, finely)))
     rng = np.random.default_rng(seed)
     chosen = {int(i) for i in np.abs(response.states).argmax(axis=1)}
     chosen |= {int(i) for i in rng.integers(0, response.time.size, samples)}

@@ -21,7 +21,7 @@ from jounce.shaping.optimal import binding_limits, certify
 
 pytestmark = pytest.mark.filterwarnings("ignore:these limits are too far apart:RuntimeWarning")
 HIGHEST = 8 if os.environ.get("JOUNCE_TIER") == "slow" else 6
-FEW = settings(max_examples=max(8, settings.default.max_examples // 25))
+FEW = settings(max_examples=max(4, settings.default.max_examples // 25))
 BOUNDS = bound_lists(4, HIGHEST)
 PLACES = st.integers(0, HIGHEST - 1)
 FACTORS = st.sampled_from([1.0 + 1e-9, 1.0 + 1e-4, 1.03, 1.7, 30.0])
@@ -85,7 +85,7 @@ def assert_sound(move, distance, bounds):
 # Moves
 
 
-@settings(max_examples=max(15, settings.default.max_examples // 10))
+@settings(max_examples=max(8, settings.default.max_examples // 10))
 @given(bounds=BOUNDS, distance=SIGNS)
 def test_moves_are_sound_and_never_slower_than_the_closed_form(bounds, distance):
     move = optimal(distance, bounds)
