@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ...shaping.checks import positive
 from .description import FmuDescription, FmuError, FmuTerminated
@@ -31,7 +31,12 @@ class Standing:
     """
 
     def __init__(
-        self, description: FmuDescription, session: Session, log: Log, *, close: weakref.finalize[..., None]
+        self,
+        description: FmuDescription,
+        session: Session,
+        log: Log,
+        *,
+        close: weakref.finalize[[], Any],
     ) -> None:
         self._name = description.model_name
         self._can = description.capabilities
