@@ -396,3 +396,15 @@ def test_examples_of_trajectories_of_other_times(tmp_path):
     move = min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0)).delay(2.0)
     text = (export_c(move, tmp_path / "c", name="go").folder / "main.c").read_text("utf-8")
     assert "go_at(2.0 + (double)(k + 1) *" in text
+
+
+@pytest.mark.usefixtures("unmeasured")
+def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path, monkeypatch):
+    def refuse(**_):
+        raise PermissionError(13, "Permission denied", str(tmp_path / ".c.1234"))
+
+    monkeypatch.setattr(writing, "mkdtemp", refuse)
+    told = rf"c': {tmp_path} cannot be written \(Permission denied\); name a folder elsewhere$"
+    with pytest.raises(PermissionError, match=told):
+        export_c(Inertia(1.0), tmp_path / "c")
+    assert list(tmp_path.iterdir()) == []
