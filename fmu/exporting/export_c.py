@@ -21,7 +21,7 @@ from .sources import source_of
 
 SUMS = "SHA256SUMS"
 _BUILT = "build"
-_TAKEN = ("main", "core", "numeric", "task")
+_TAKEN = ("main", "core", "numeric", "task", "evaluation")
 
 
 @dataclass(frozen=True)
