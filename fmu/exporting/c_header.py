@@ -90,6 +90,56 @@ def _identifier(name: str, taken: set[str]) -> str:
 
 def header(block: Block) -> str:
     """Return NAME.h: the struct with all of a block's memory, and the functions on it."""
+    guard = f"{block.name.upper()}_H"
+    return "\n".join(
+        [
+            comment(f"{block.name}.h: {block.description}.", ABOUT),
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            "",
+            "#include <stdint.h>",
+            "",
+            *_OPENED_FOR_CPP,
+            *_sample_time(block),
+            *_own_memory(block),
+            *_block(block),
+            *_functions(block),
+            "",
+            *_CLOSED_FOR_CPP,
+            f"#endif /* {guard} */",
+            "",
+        ]
+    )
+
+
+_OPENED_FOR_CPP = ("#ifdef __cplusplus", 'extern "C" {', "#endif", "")
+_CLOSED_FOR_CPP = ("#ifdef __cplusplus", "}", "#endif", "")
+
+
+def _sample_time(block: Block) -> list[str]:
+    if block.sample_time is None:
+        return []
+    return [f"#define {block.name.upper()}_SAMPLE_TIME {block.sample_time!r} /* s */", ""]
+
+
+def _own_memory(block: Block) -> list[str]:
+    return [
+        comment("What the block keeps for itself."),
+        "typedef struct {",
+        f"    double value[{max(len(block.variables), 1)}];",
+        f"    double memory[{max(block.memory, 1)}];",
+        "    double start, time;",
+        "    int64_t ticks;",
+        f"}} {block.name}_state;",
+        "",
+        "typedef struct {",
+        f"    double work[{max(block.work, 1)}];",
+        f"}} {block.name}_work;",
+        "",
+    ]
+
+
+def _block(block: Block) -> list[str]:
     fields, name = fields_of(block), block.name
     groups = (
         ("Parameters: init sets them; they may be changed between any two steps.", fields.tunable),
@@ -98,54 +148,16 @@ def header(block: Block) -> str:
         ("Outputs.", fields.outputs),
         ("States: start takes them over, each step shows them.", fields.states),
     )
-    members = [line for told, group in groups if group for line in _members(told, group)]
-    guard = f"{name.upper()}_H"
-    rate = []
-    if block.sample_time is not None:
-        rate = [f"#define {name.upper()}_SAMPLE_TIME {block.sample_time!r} /* s */", ""]
-    return "\n".join(
-        [
-            comment(f"{name}.h: {block.description}.", ABOUT),
-            f"#ifndef {guard}",
-            f"#define {guard}",
-            "",
-            "#include <stdint.h>",
-            "",
-            "#ifdef __cplusplus",
-            'extern "C" {',
-            "#endif",
-            "",
-            *rate,
-            comment("What the block keeps for itself."),
-            "typedef struct {",
-            f"    double value[{max(len(block.variables), 1)}];",
-            f"    double memory[{max(block.memory, 1)}];",
-            "    double start, time;",
-            "    int64_t ticks;",
-            f"}} {name}_state;",
-            "",
-            "typedef struct {",
-            f"    double work[{max(block.work, 1)}];",
-            f"}} {name}_work;",
-            "",
-            comment("All memory of one block; any number of them may be in use."),
-            "typedef struct {",
-            *members,
-            comment("Not to be touched.", indent=4),
-            f"    {name}_state state;",
-            f"    {name}_work work;",
-            f"}} {name}_block;",
-            "",
-            *_functions(block),
-            "",
-            "#ifdef __cplusplus",
-            "}",
-            "#endif",
-            "",
-            f"#endif /* {guard} */",
-            "",
-        ]
-    )
+    return [
+        comment("All memory of one block; any number of them may be in use."),
+        "typedef struct {",
+        *(line for told, group in groups if group for line in _members(told, group)),
+        comment("Not to be touched.", indent=4),
+        f"    {name}_state state;",
+        f"    {name}_work work;",
+        f"}} {name}_block;",
+        "",
+    ]
 
 
 def _members(told: str, group: list[Field]) -> list[str]:

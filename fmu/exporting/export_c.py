@@ -21,7 +21,7 @@ from .sources import source_of
 
 SUMS = "SHA256SUMS"
 _BUILT = "build"
-_TAKEN = ("main", "core", "numeric", "task")
+_TAKEN = ("main", "core", "numeric", "task", "evaluation")
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ def _not_ours(folder: Path) -> str:
 
 def _write(target: Path, files: Mapping[str, bytes]) -> None:
     """Write all files into a folder of another name, which then takes the place of the target."""
-    made = Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+    made = _made_beside(target)
     old = made / "old"
     try:
         new = made / "new"
@@ -173,3 +173,14 @@ def _write(target: Path, files: Mapping[str, bytes]) -> None:
         raise
     finally:
         shutil.rmtree(made, ignore_errors=True)
+
+
+def _made_beside(target: Path) -> Path:
+    """Return a new folder in the same one; OSError where that cannot be written."""
+    try:
+        return Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+    except OSError as error:
+        raise type(error)(
+            f"folder = {str(target)!r}: {target.parent} cannot be written "
+            f"({error.strerror}); name a folder elsewhere"
+        ) from None

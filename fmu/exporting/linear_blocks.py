@@ -54,36 +54,17 @@ def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str
     from scipy.linalg import matrix_balance
 
     balanced, (scale, _) = matrix_balance(system.A, permute=False, separate=True)
-    states = [_state_name(label) for label in system.state_labels]
-    variables = [
-        *_inputs(system, unit_of, "held during each step"),
-        *_outputs(system, unit_of, _depending(system, system.C, system.D)),
-        *_states(system, unit_of, "continuous"),
-        *(
-            Variable(
-                f"der({state})",
-                f"Derivative of state {label}",
-                "local",
-                initial="calculated",
-                unit=rate(unit_of.get(label, "1"), 1),
-                derivative_of=state,
-                dependencies=on,
-                initial_dependencies=on,
-            )
-            for state, label, on in zip(
-                states,
-                system.state_labels,
-                _depending(system, system.A, system.B),
-                strict=True,
-            )
-        ),
-    ]
     fastest = float(np.abs(system.poles()).max(initial=0.0))
     step = 10.0 ** float(np.floor(np.log10(0.1 / fastest))) if fastest > 0.0 else 1e-3
     return Block(
         name,
         f"Linear system of continuous time, {system.nstates} states",
-        tuple(variables),
+        (
+            *_inputs(system, unit_of, "held during each step"),
+            *_outputs(system, unit_of, _depending(system, system.C, system.D)),
+            *_states(system, unit_of, "continuous"),
+            *_rates(system, unit_of),
+        ),
         "continuous",
         constants=_sizes(system),
         tables={
@@ -176,6 +157,24 @@ def _states(
             state=variability == "continuous",
         )
         for label in system.state_labels
+    ]
+
+
+def _rates(system: control.StateSpace, unit_of: Mapping[str, str]) -> list[Variable]:
+    return [
+        Variable(
+            f"der({_state_name(label)})",
+            f"Derivative of state {label}",
+            "local",
+            initial="calculated",
+            unit=rate(unit_of.get(label, "1"), 1),
+            derivative_of=_state_name(label),
+            dependencies=on,
+            initial_dependencies=on,
+        )
+        for label, on in zip(
+            system.state_labels, _depending(system, system.A, system.B), strict=True
+        )
     ]
 
 

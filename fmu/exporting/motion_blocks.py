@@ -177,46 +177,7 @@ def _start(unit: str) -> list[Variable]:
 def jerk_filter_block(jerk_filter: JerkFilter, name: str, unit: str) -> Block:
     """Return a jerk filter as a block of continuous time."""
     m, highest = jerk_filter.order, min(jerk_filter.order - 1, _HIGHEST)
-    lags = ["command", *(f"lag_{i}" for i in range(1, m + 1))]
-    known = {"start_position": "constant", "start_velocity": "dependent", "corner_hz": "dependent"}
-    states, rates = [], []
-    for i in range(1, m + 1):
-        told = f"Output of lag {i}"
-        states.append(
-            Variable(
-                lags[i],
-                told,
-                "local",
-                initial="calculated",
-                unit=unit,
-                state=True,
-                initial_dependencies=known,
-                macro="V_LAG" if i == 1 else "",
-            )
-        )
-        rates.append(
-            Variable(
-                f"der({lags[i]})",
-                f"Derivative of the {told[0].lower()}{told[1:]}",
-                "local",
-                initial="calculated",
-                unit=rate(unit, 1),
-                derivative_of=lags[i],
-                dependencies={lags[i - 1]: "tunable", lags[i]: "tunable"},
-                initial_dependencies=known | ({"command": "dependent"} if i == 1 else {}),
-                macro="V_DER_LAG" if i == 1 else "",
-            )
-        )
-    outputs = [
-        output(
-            _derivative_name(k),
-            f"{derivative_name(k).capitalize()} put out",
-            rate(unit, k),
-            dependencies=dict.fromkeys(lags[m - k :], "tunable" if k else "constant"),
-            initial_dependencies=known,
-        )
-        for k in range(highest + 1)
-    ]
+    chain = ["command", *(f"lag_{i}" for i in range(1, m + 1))]
     settled = jerk_filter.settling_time(1e-6)
     return Block(
         name,
@@ -227,9 +188,9 @@ def jerk_filter_block(jerk_filter: JerkFilter, name: str, unit: str) -> Block:
             signal("command", "Command at the start of each step", unit),
             signal("command_velocity", "Its velocity there (0: it is held)", rate(unit, 1)),
             signal("command_acceleration", "Its acceleration during the step", rate(unit, 2)),
-            *outputs,
-            *states,
-            *rates,
+            *_behind_lags(chain, highest, unit),
+            *(_lag(i, unit) for i in range(1, m + 1)),
+            *(_rate_of_lag(chain, i, unit) for i in range(1, m + 1)),
         ),
         "jerk_filter",
         constants={"N_LAGS": str(m), "N_OUTPUTS": str(highest + 1)},
@@ -241,4 +202,50 @@ def jerk_filter_block(jerk_filter: JerkFilter, name: str, unit: str) -> Block:
             "step; its velocity and acceleration are those at the step's start. It starts as if "
             "the command had coasted in for ever from start_position at start_velocity.",
         ),
+    )
+
+
+_SETTLED = {"start_position": "constant", "start_velocity": "dependent", "corner_hz": "dependent"}
+"""What a lag's value at the start depends on."""
+
+
+def _behind_lags(chain: list[str], highest: int, unit: str) -> list[Variable]:
+    """Return position and derivatives 1 … highest behind the last of a chain of lags."""
+    last = len(chain) - 1
+    return [
+        output(
+            _derivative_name(k),
+            f"{derivative_name(k).capitalize()} put out",
+            rate(unit, k),
+            dependencies=dict.fromkeys(chain[last - k :], "tunable" if k else "constant"),
+            initial_dependencies=_SETTLED,
+        )
+        for k in range(highest + 1)
+    ]
+
+
+def _lag(i: int, unit: str) -> Variable:
+    return Variable(
+        f"lag_{i}",
+        f"Output of lag {i}",
+        "local",
+        initial="calculated",
+        unit=unit,
+        state=True,
+        initial_dependencies=_SETTLED,
+        macro="V_LAG" if i == 1 else "",
+    )
+
+
+def _rate_of_lag(chain: list[str], i: int, unit: str) -> Variable:
+    return Variable(
+        f"der({chain[i]})",
+        f"Derivative of the output of lag {i}",
+        "local",
+        initial="calculated",
+        unit=rate(unit, 1),
+        derivative_of=chain[i],
+        dependencies={chain[i - 1]: "tunable", chain[i]: "tunable"},
+        initial_dependencies=_SETTLED | ({"command": "dependent"} if i == 1 else {}),
+        macro="V_DER_LAG" if i == 1 else "",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from ...shaping.checks import of_kind, positive
 from ...shaping.propagate import check_fed
 from ...shaping.trajectory import as_trajectory
 from . import units
-from .blocks import Block, Variable, output, sample_time_constant, signal
+from .blocks import Block, Variable, output, signal
 from .linear_blocks import linear_block
 from .loop_blocks import SampledController, controller_block
 from .motion_blocks import SAMPLING, jerk_filter_block, trajectory_block
@@ -78,50 +79,67 @@ def servo_block(sampled: SampledLoop, name: str, unit: str) -> Block:
     shaped = [] if behind is None else jerk_filter_block(behind, name, unit).variables[:1]
     start = float(sampled.trajectory.start_state[0])
     states = [_at(start, own) for own in plant.variables if own.name.startswith("state.")]
-    parameters = [own for own in control.variables if own.variability == "tunable"]
-    integral = [own for own in control.variables if own.name == "e_integral"]
-    exact = [*parameters, *shaped, *states, *integral]
-    known = {own.name: "dependent" for own in exact} | {"d": "dependent"}
-    variables = [
-        *parameters,
-        *shaped,
-        sample_time_constant(dt),
-        signal("d", "Disturbance torque, held during each step", units.effort(unit)),
-        *_outputs(plant, unit, known),
-        *states,
-        *integral,
-    ]
-    places = {own.name: k for k, own in enumerate(variables)}
+    variables = _variables(control, shaped, plant, states, unit)
     lasting = motion.stop_time - motion.start_time
     lasting += 0.0 if behind is None else behind.settling_time(1e-6)
-    sizes = {key: text for key, text in plant.constants.items() if key.startswith("N_")}
+    lags = 0 if behind is None else behind.order
     return Block(
         name,
         "Servo loop: planned motion, sampled PID controller with feedforward, plant",
         tuple(variables),
         "servo",
-        constants=sizes
-        | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
-        | {
+        constants={
+            **{key: text for key, text in plant.constants.items() if key.startswith("N_")},
+            **{key: motion.constants[key] for key in ("ORDER", "N_PIECES")},
             "SAMPLE_TIME": repr(dt),
-            "N_LAGS": str(0 if behind is None else behind.order),
-            "V_STATE": str(places[states[0].name]),
-            "V_OUTPUT": str(places["u"] + 1),
+            "N_LAGS": str(lags),
+            **_places(variables, states),
         },
         tables={**motion.tables, **plant.tables},
-        memory=1 + max(0 if behind is None else behind.order, 1),
+        memory=1 + max(lags, 1),
         work=plant.work,
         sample_time=dt,
         start_time=motion.start_time,
         stop_time=motion.start_time + max(round(lasting / dt), 1) * dt,
         step=dt,
-        notes=(
-            SAMPLING,
-            "At a sample the controller sees command and plant at that time, without delay; its "
-            "torque is held until the next sample, and the plant goes on exactly in between. "
-            "Outputs are those at the end of the communication step.",
-        ),
+        notes=(SAMPLING, _TIMING),
     )
+
+
+_TIMING = (
+    "At a sample the controller sees command and plant at that time, without delay; its "
+    "torque is held until the next sample, and the plant goes on exactly in between. "
+    "Outputs are those at the end of the communication step."
+)
+
+
+def _variables(
+    control: Block,
+    shaped: Sequence[Variable],
+    plant: Block,
+    states: Sequence[Variable],
+    unit: str,
+) -> list[Variable]:
+    parameters = [own for own in control.variables if own.variability == "tunable"]
+    rates = [own for own in control.variables if own.name == "sample_time"]
+    integral = [own for own in control.variables if own.name == "e_integral"]
+    exact = [*parameters, *shaped, *states, *integral]
+    known = {own.name: "dependent" for own in exact} | {"d": "dependent"}
+    return [
+        *parameters,
+        *shaped,
+        *rates,
+        signal("d", "Disturbance torque, held during each step", units.effort(unit)),
+        *_outputs(plant, unit, known),
+        *states,
+        *integral,
+    ]
+
+
+def _places(variables: Sequence[Variable], states: Sequence[Variable]) -> dict[str, str]:
+    """Return where the states of the plant begin, and its outputs, behind the torque."""
+    places = {own.name: k for k, own in enumerate(variables)}
+    return {"V_STATE": str(places[states[0].name]), "V_OUTPUT": str(places["u"] + 1)}
 
 
 def _plant_block(plant: Any, name: str, unit: str) -> Block:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ...shaping.checks import positive
 from .description import FmuDescription, FmuError, FmuTerminated
@@ -36,7 +36,7 @@ class Standing:
         session: Session,
         log: Log,
         *,
-        close: weakref.finalize[..., None],
+        close: weakref.finalize[[], Any],
     ) -> None:
         self._name = description.model_name
         self._can = description.capabilities

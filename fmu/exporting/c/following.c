@@ -12,17 +12,16 @@
 /* What is kept from one sample to the next: the state when it begins, its command, its bounds. */
 enum { X, V, A, J, COMMAND, SPEED, LIMITS, OMEGA = LIMITS + 6, FINISHED, LAGS };
 
-/* A bound, where it is one. */
-static double or_none(double bound) {
-    return magnitude(bound) >= LARGEST ? (bound > 0.0 ? INFINITE : -INFINITE) : bound;
+/* A bound, where it is one: that of the highest derivative always is. */
+static double bound(const State *s, int i) {
+    double kept = s->memory[LIMITS + i];
+    int none = magnitude(kept) >= LARGEST && i / 2 + 1 != ORDER;
+    return none ? (kept > 0.0 ? INFINITE : -INFINITE) : kept;
 }
 
 static jounce_follower follower_of(const State *s, double dt) {
-    const double *kept = s->memory + LIMITS;
-    jounce_follower follower = {{or_none(kept[0]), or_none(kept[1]), or_none(kept[2]),
-                                 or_none(kept[3]), or_none(kept[4]), or_none(kept[5])},
-                                dt,
-                                PERIOD};
+    jounce_follower follower = {
+        {bound(s, 0), bound(s, 1), bound(s, 2), bound(s, 3), bound(s, 4), bound(s, 5)}, dt, PERIOD};
     return follower;
 }
 

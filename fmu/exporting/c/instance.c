@@ -97,7 +97,7 @@ static int set_value(Instance *it, size_t reference, double value) {
     int before = START | TUNABLE | INPUT, later = TUNABLE | INPUT;
     Message message = {{0}, 0};
     if (reference < 1 || reference > N_VARIABLES) {
-        return fail_with(it, "value reference", (double)reference, ": unknown", 1.0 / 0.0);
+        return fail_with(it, "value reference", (double)reference, ": unknown", INFINITE);
     }
     if (!(variable->flags & (it->now.phase <= INITIALIZING ? before : later))) {
         add(&message, variable->name);
@@ -106,7 +106,7 @@ static int set_value(Instance *it, size_t reference, double value) {
         return fail(it, message.text);
     }
     if (!is_finite(value)) {
-        return fail_with(it, variable->name, value, ": expected a finite number", 1.0 / 0.0);
+        return fail_with(it, variable->name, value, ": expected a finite number", INFINITE);
     }
     if (value < variable->least) {
         return fail_with(it, variable->name, value, " is below its minimum ", variable->least);
@@ -121,13 +121,13 @@ static int set_value(Instance *it, size_t reference, double value) {
 
 static int get_value(Instance *it, size_t reference, double *value) {
     if (reference < 1 || reference > N_VARIABLES) {
-        return fail_with(it, "value reference", (double)reference, ": unknown", 1.0 / 0.0);
+        return fail_with(it, "value reference", (double)reference, ": unknown", INFINITE);
     }
     refresh(it);
     *value = it->now.value[reference - 1];
     if (!is_finite(*value)) {
         return fail_with(it, variables[reference - 1].name, *value,
-                         ": it leaves the range of a double", 1.0 / 0.0);
+                         ": it leaves the range of a double", INFINITE);
     }
     return OK;
 }
@@ -135,7 +135,7 @@ static int get_value(Instance *it, size_t reference, double *value) {
 static int set_times(Instance *it, double start, int stop_defined, double stop) {
     if (!is_finite(start) || (stop_defined && !(stop >= start))) {
         return fail_with(it, "start time", start, ": expected a finite time, at most ",
-                         stop_defined ? stop : 1.0 / 0.0);
+                         stop_defined ? stop : INFINITE);
     }
     it->now.start = it->now.time = start;
     it->now.stop = stop_defined ? stop : start - 1.0 - magnitude(start);
@@ -174,7 +174,7 @@ static int take_step(Instance *it, double t, double h) {
     const char *problem;
     if (!is_finite(h) || h <= 0.0) {
         return fail_with(it, "communication step", h, ": expected a positive, finite time",
-                         1.0 / 0.0);
+                         INFINITE);
     }
     if (!is_finite(t) || magnitude(t - it->now.time) > 0.5 * h + 1e-9 * magnitude(t)) {
         return fail_with(it, "communication point", t, ": expected the end of the last step, ",
@@ -195,7 +195,7 @@ static int take_step(Instance *it, double t, double h) {
     core_outputs(&it->trial, 1);
     if (!all_finite(&it->trial)) {
         return fail_with(it, "step to time", t + h, ": a variable leaves the range of a double",
-                         1.0 / 0.0);
+                         INFINITE);
     }
     it->now = it->trial;
     it->stale = 0;

@@ -1,6 +1,7 @@
 """The command follower in an FMU is the one in Python, to the last bit."""
 
 import ctypes
+import sys
 from functools import partial
 
 import numpy as np
@@ -37,6 +38,7 @@ void drive(long n, const double *commands, const double *velocities, double *row
 }
 """
 
+MAX = sys.float_info.max
 EVEN = Limits(velocity=1.0, acceleration=2.0)
 SMOOTH = Limits(velocity=(-1.0, 0.4), acceleration=(-3.0, 0.7), jerk=(-20.0, 30.0))
 UNEVEN = Limits(velocity=(-1.0, 0.4), acceleration=(-3.0, 0.7))
@@ -51,6 +53,11 @@ FOLLOWERS = {
         CommandFollower, SMOOTH, dt=DT, period=0.5, jerk_filter=JerkFilter(3.0, 4)
     ),
     "order 3, nothing but jerk": partial(CommandFollower, Limits(jerk=30.0), dt=DT),
+    "huge velocity and acceleration": partial(
+        CommandFollower, Limits(MAX, (-MAX, 2.0), 9.0), dt=DT, period=0.5
+    ),
+    "huge jerk": partial(CommandFollower, Limits(1.0, 1.0, MAX), dt=DT),
+    "huge acceleration": partial(CommandFollower, Limits(1.0, MAX), dt=DT),
     "uneven, filter": partial(CommandFollower, UNEVEN, dt=DT, jerk_filter=JerkFilter(20.0, 1)),
 }
 

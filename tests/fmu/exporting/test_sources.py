@@ -1,6 +1,7 @@
 """The C sources: clean under strict warnings, one file to compile, no names of their own."""
 
 import platform
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -34,6 +35,15 @@ def test_strict_compilers_have_nothing_to_say(name, tmp_path):
             check=False,
         )
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_nothing_stands_in_them_that_msvc_does_not_know(name):
+    for version in VERSIONS:
+        for file, text in sources_of(block_of(BLOCKS[name]()), version, "{token}").items():
+            plain = re.sub(r"(?s)/\*.*?\*/|#if defined\(NO_C_RUNTIME\).*?#endif", "", text.decode())
+            if not re.fullmatch(r"fmi.*\.h", file):  # FMI's own headers tell compilers apart
+                assert not re.search(r"\brestrict\b|__attribute__|/ 0\.0", plain), file
 
 
 @needs_compiler
