@@ -962,7 +962,8 @@ static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t co
 
 /* --- many transfers ----------------------------------------------------------------------------- */
 
-/* Numbers of many problems; those of all where a step is zero. */
+/* Numbers of many problems; those of all where a step is zero. Of moves the starts are distances,
+ * and the ends positions to start from. */
 typedef struct {
     int order;
     Py_ssize_t count;
@@ -974,15 +975,16 @@ static Py_ssize_t step_of(const Py_buffer *view, Py_ssize_t each, Py_ssize_t cou
     return count > 1 && items(view) == each ? 0 : each;
 }
 
-static Problems problems_of(const Py_buffer *views, int order, Py_ssize_t count) {
+static Problems problems_of(const Py_buffer *views, int order, Py_ssize_t each,
+                            Py_ssize_t count) {
     Problems p;
     p.order = order;
     p.count = count;
     p.starts = views[0].buf;
     p.ends = views[1].buf;
     p.bounds = views[2].buf;
-    p.start_step = step_of(&views[0], order, count);
-    p.end_step = step_of(&views[1], order, count);
+    p.start_step = step_of(&views[0], each, count);
+    p.end_step = step_of(&views[1], each, count);
     p.bounds_step = step_of(&views[2], (Py_ssize_t)order * 2, count);
     return p;
 }
@@ -995,19 +997,23 @@ static jounce_state state_at(const double *row, int order) {
     return state;
 }
 
-static jounce_status solve(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
+/* Plan problem i. */
+typedef jounce_status (*Solver)(const Problems *p, Py_ssize_t i, jounce_motion *motion);
+
+static jounce_status solve_transfer(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
     jounce_state start = state_at(p->starts + i * p->start_step, p->order);
     jounce_state end = state_at(p->ends + i * p->end_step, p->order);
     jounce_limits limits = limits_of(p->bounds + i * p->bounds_step, p->order);
     return jounce_transfer(&start, &end, &limits, motion);
 }
 
-static int order_of(PyObject *object) {
+/* The order of problems, `least` to 3; 0 with an error set. */
+static int order_of(PyObject *object, int least) {
     long order = PyLong_AsLong(object);
-    if (order != 2 && order != 3 && !PyErr_Occurred()) {
-        PyErr_Format(PyExc_ValueError, "order = %ld: expected 2 or 3", order);
+    if ((order < least || order > 3) && !PyErr_Occurred()) {
+        PyErr_Format(PyExc_ValueError, "order = %ld: expected %d to 3", order, least);
     }
-    return order == 2 || order == 3 ? (int)order : 0;
+    return order >= least && order <= 3 ? (int)order : 0;
 }
 
 static void solve_all(const Problems *p, double *durations, double *inside, signed char *statuses,
@@ -1015,7 +1021,7 @@ static void solve_all(const Problems *p, double *durations, double *inside, sign
     jounce_motion motion;
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
-        jounce_status status = solve(p, i, &motion);
+        jounce_status status = solve_transfer(p, i, &motion);
         int ok = status == JOUNCE_OK;
         statuses[i] = (signed char)status;
         counts[i] = (signed char)(ok ? motion.count : 0);
@@ -1035,7 +1041,7 @@ static PyObject *transfers(PyObject *module, PyObject *const *args, Py_ssize_t g
                           "statuses, counts)")) {
         return NULL;
     }
-    order = order_of(args[0]);
+    order = order_of(args[0], 2);
     count = order != 0 ? PyObject_Size(args[4]) : -1;
     if (count < 0) {
         return NULL;
@@ -1050,7 +1056,7 @@ static PyObject *transfers(PyObject *module, PyObject *const *args, Py_ssize_t g
     if (!look_into(wanted, 7, views)) {
         return NULL;
     }
-    p = problems_of(views, order, count);
+    p = problems_of(views, order, order, count);
     Py_BEGIN_ALLOW_THREADS
     solve_all(&p, views[3].buf, views[4].buf, views[5].buf, views[6].buf);
     Py_END_ALLOW_THREADS
@@ -1088,14 +1094,14 @@ static void lay_out_none(int order, int most, double *lengths, double *states, d
     }
 }
 
-static void lay_out_all(const Problems *p, int most, double *lengths, double *states,
-                        double *ends) {
+static void lay_out_all(const Problems *p, Solver solver, int most, double *lengths,
+                        double *states, double *ends) {
     int width = p->order + 1;
     jounce_motion motion;
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
         double *own = states + i * most * width;
-        if (solve(p, i, &motion) == JOUNCE_OK) {
+        if (solver(p, i, &motion) == JOUNCE_OK) {
             lay_out_one(&motion, p->order, most, lengths + i * most, own, ends + i * width);
         } else {
             lay_out_none(p->order, most, lengths + i * most, own, ends + i * width);
@@ -1103,30 +1109,27 @@ static void lay_out_all(const Problems *p, int most, double *lengths, double *st
     }
 }
 
-static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+/* The number of pieces to lay out of each motion; -1 with an error set. */
+static int most_of(PyObject *object) {
+    long most = PyLong_AsLong(object);
+    if ((most < 0 || most > JOUNCE_MOST_PIECES) && !PyErr_Occurred()) {
+        PyErr_Format(PyExc_ValueError, "most = %ld: expected 0 to %d", most, JOUNCE_MOST_PIECES);
+    }
+    return most >= 0 && most <= JOUNCE_MOST_PIECES ? (int)most : -1;
+}
+
+/* Put pieces in place; a problem has `each` numbers in the first array, and in the second. */
+static PyObject *pieces_of_all(PyObject *const *args, int order, int each, Solver solver) {
+    Py_ssize_t count = order != 0 ? PyObject_Size(args[5]) : -1;
+    int most = count < 0 ? -1 : most_of(args[4]);
     Py_buffer views[6];
     Wanted wanted[6];
     Problems p;
-    Py_ssize_t count;
-    long most;
-    int order;
-    (void)module;
-    if (!expect(given, 8, "transfer_pieces(order, starts, ends, bounds, most, lengths, states, "
-                          "end_states)")) {
+    if (most < 0) {
         return NULL;
     }
-    order = order_of(args[0]);
-    count = order != 0 ? PyObject_Size(args[5]) : -1;
-    most = count < 0 ? -1 : PyLong_AsLong(args[4]);
-    if (most < 0 || most > JOUNCE_MOST_PIECES) {
-        if (!PyErr_Occurred()) {
-            PyErr_Format(PyExc_ValueError, "most = %ld: expected 0 to %d", most,
-                         JOUNCE_MOST_PIECES);
-        }
-        return NULL;
-    }
-    wanted[0] = doubles_for_all(args[1], order, count);
-    wanted[1] = doubles_for_all(args[2], order, count);
+    wanted[0] = doubles_for_all(args[1], each, count);
+    wanted[1] = doubles_for_all(args[2], each, count);
     wanted[2] = doubles_for_all(args[3], (Py_ssize_t)order * 2, count);
     wanted[3] = room(args[5], count * most);
     wanted[4] = room(args[6], count * most * (order + 1));
@@ -1134,24 +1137,26 @@ static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssi
     if (!look_into(wanted, 6, views)) {
         return NULL;
     }
-    p = problems_of(views, order, count);
+    p = problems_of(views, order, each, count);
     Py_BEGIN_ALLOW_THREADS
-    lay_out_all(&p, (int)most, views[3].buf, views[4].buf, views[5].buf);
+    lay_out_all(&p, solver, most, views[3].buf, views[4].buf, views[5].buf);
     Py_END_ALLOW_THREADS
     release(views, 6);
     Py_RETURN_NONE;
 }
 
-/* --- many moves --------------------------------------------------------------------------------- */
-
-/* The order of moves, 1 to 3; 0 with an error set. */
-static int move_order_of(PyObject *object) {
-    long order = PyLong_AsLong(object);
-    if ((order < 1 || order > 3) && !PyErr_Occurred()) {
-        PyErr_Format(PyExc_ValueError, "order = %ld: expected 1 to 3", order);
+static PyObject *transfer_pieces(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    int order;
+    (void)module;
+    if (!expect(given, 8, "transfer_pieces(order, starts, ends, bounds, most, lengths, states, "
+                          "end_states)")) {
+        return NULL;
     }
-    return order >= 1 && order <= 3 ? (int)order : 0;
+    order = order_of(args[0], 2);
+    return pieces_of_all(args, order, order, solve_transfer);
 }
+
+/* --- many moves --------------------------------------------------------------------------------- */
 
 static jounce_column column_of(const Py_buffer *view, Py_ssize_t count) {
     jounce_column column;
@@ -1199,7 +1204,7 @@ static PyObject *move_durations(PyObject *module, PyObject *const *args, Py_ssiz
     if (!expect(given, 5, "move_durations(order, distances, lower, upper, durations)")) {
         return NULL;
     }
-    bounds.order = move_order_of(args[0]);
+    bounds.order = order_of(args[0], 1);
     bounds.even = args[2] == Py_None;
     count = bounds.order != 0 ? PyObject_Size(args[4]) : -1;
     if (count < 0) {
@@ -1223,68 +1228,30 @@ static PyObject *move_durations(PyObject *module, PyObject *const *args, Py_ssiz
     Py_RETURN_NONE;
 }
 
-/* A move from `start` on, its pieces laid out. */
-static void lay_out_move(double distance, double start, const double *bounds, int order, int most,
-                         double *lengths, double *states, double *end) {
-    jounce_limits limits = limits_of(bounds, order);
-    jounce_motion motion;
-    int k;
-    if (jounce_move(distance, &limits, &motion) != JOUNCE_OK) {
-        lay_out_none(order, most, lengths, states, end);
-        return;
+/* A move from a position on. */
+static jounce_status move_from(double start, double distance, const jounce_limits *limits,
+                               jounce_motion *motion) {
+    jounce_status status = jounce_move(distance, limits, motion);
+    int i;
+    for (i = 0; i < motion->count; i++) {
+        motion->pieces[i].x += start;
     }
-    for (k = 0; k < motion.count; k++) {
-        motion.pieces[k].x += start;
-    }
-    motion.end.x = start + distance;
-    lay_out_one(&motion, order, most, lengths, states, end);
+    motion->end.x = start + distance;
+    return status;
+}
+
+static jounce_status solve_move(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
+    jounce_limits limits = limits_of(p->bounds + i * p->bounds_step, p->order);
+    return move_from(p->ends[i * p->end_step], p->starts[i * p->start_step], &limits, motion);
 }
 
 static PyObject *move_pieces(PyObject *module, PyObject *const *args, Py_ssize_t given) {
-    Py_buffer views[6];
-    Wanted wanted[6];
-    Py_ssize_t count, steps[3], width, i;
-    long most;
-    int order;
     (void)module;
     if (!expect(given, 8, "move_pieces(order, distances, starts, bounds, most, lengths, states, "
                           "end_states)")) {
         return NULL;
     }
-    order = move_order_of(args[0]);
-    width = order + 1;
-    count = order != 0 ? PyObject_Size(args[5]) : -1;
-    most = count < 0 ? -1 : PyLong_AsLong(args[4]);
-    if (most < 0 || most > JOUNCE_MOST_PIECES) {
-        if (!PyErr_Occurred()) {
-            PyErr_Format(PyExc_ValueError, "most = %ld: expected 0 to %d", most,
-                         JOUNCE_MOST_PIECES);
-        }
-        return NULL;
-    }
-    wanted[0] = doubles_for_all(args[1], 1, count);
-    wanted[1] = doubles_for_all(args[2], 1, count);
-    wanted[2] = doubles_for_all(args[3], (Py_ssize_t)order * 2, count);
-    wanted[3] = room(args[5], count * most);
-    wanted[4] = room(args[6], count * most * width);
-    wanted[5] = room(args[7], count * width);
-    if (!look_into(wanted, 6, views)) {
-        return NULL;
-    }
-    for (i = 0; i < 3; i++) {
-        steps[i] = step_of(&views[i], i < 2 ? 1 : (Py_ssize_t)order * 2, count);
-    }
-    Py_BEGIN_ALLOW_THREADS
-    for (i = 0; i < count; i++) {
-        lay_out_move(((const double *)views[0].buf)[i * steps[0]],
-                     ((const double *)views[1].buf)[i * steps[1]],
-                     (const double *)views[2].buf + i * steps[2], order, (int)most,
-                     (double *)views[3].buf + i * most, (double *)views[4].buf + i * most * width,
-                     (double *)views[5].buf + i * width);
-    }
-    Py_END_ALLOW_THREADS
-    release(views, 6);
-    Py_RETURN_NONE;
+    return pieces_of_all(args, order_of(args[0], 1), 1, solve_move);
 }
 
 /* --- values of many motions --------------------------------------------------------------------- */
@@ -1341,67 +1308,86 @@ static jounce_status evaluate_all(const Lanes *l, double *memory) {
     return status;
 }
 
+/* How many numbers an array has for each of `count` problems; -1 with TypeError. */
+static Py_ssize_t items_each(PyObject *object, Py_ssize_t count) {
+    Py_buffer view;
+    Py_ssize_t size;
+    if (!look(object, &view, READ)) {
+        return -1;
+    }
+    size = items(&view);
+    PyBuffer_Release(&view);
+    return count > 0 ? size / count : 0;
+}
+
+/* Read the sizes of everything; 0 with an error set. */
+static int sizes_of(PyObject *const *args, Lanes *l) {
+    Py_ssize_t width;
+    if (!derivative_of(args[6], &l->first) || !derivative_of(args[7], &l->last)) {
+        return 0;
+    }
+    l->count = PyObject_Size(args[3]);
+    l->points = PyLong_AsSsize_t(args[5]);
+    if (l->count < 0 || (l->points < 0 && PyErr_Occurred())) {
+        return 0;
+    }
+    width = items_each(args[3], l->count);
+    l->most = width < 0 ? -1 : items_each(args[1], l->count);
+    if (l->most < 0) {
+        return 0;
+    }
+    l->order = l->count > 0 ? (int)width - 1 : 1;
+    if (l->order < 1 || l->order > JOUNCE_MOST_ORDER || l->last < l->first || l->points < 0) {
+        PyErr_SetString(PyExc_ValueError, "evaluate_lanes: expected states (N, m, n + 1) of order "
+                                          "n = 1 to 40, and first <= last");
+        return 0;
+    }
+    return 1;
+}
+
+static int look_into_lanes(PyObject *const *args, Lanes *l, Py_buffer *views) {
+    Wanted wanted[6];
+    wanted[0] = doubles(args[1], l->count * l->most);
+    wanted[1] = doubles(args[2], l->count * l->most * (l->order + 1));
+    wanted[2] = doubles(args[3], l->count * (l->order + 1));
+    wanted[3] = doubles_for_all(args[4], l->points, l->count);
+    wanted[4] = room(args[8], (l->last - l->first + 1) * l->count * l->points);
+    wanted[5] = doubles(args[0], l->count);
+    if (!look_into(wanted, 6, views)) {
+        return 0;
+    }
+    l->lengths = views[0].buf;
+    l->states = views[1].buf;
+    l->ends = views[2].buf;
+    l->times = views[3].buf;
+    l->times_step = step_of(&views[3], l->points, l->count);
+    l->out = views[4].buf;
+    l->durations = views[5].buf;
+    return 1;
+}
+
 static PyObject *evaluate_lanes(PyObject *module, PyObject *const *args, Py_ssize_t given) {
     Py_buffer views[6];
-    Wanted wanted[6];
     Lanes l;
-    Py_ssize_t rows, size;
     double *memory;
-    jounce_status status;
+    jounce_status status = JOUNCE_OK;
     (void)module;
     if (!expect(given, 9, "evaluate_lanes(durations, lengths, states, end_states, times, points, "
                           "first, last, out)") ||
-        !derivative_of(args[6], &l.first) || !derivative_of(args[7], &l.last)) {
+        !sizes_of(args, &l) || !look_into_lanes(args, &l, views)) {
         return NULL;
     }
-    l.count = PyObject_Size(args[3]);
-    l.points = PyLong_AsSsize_t(args[5]);
-    if (l.count < 0 || (l.points < 0 && PyErr_Occurred())) {
-        return NULL;
+    memory = PyMem_Calloc((size_t)(l.most + 1 + (l.most + 2) * (l.order + 1)), sizeof(double));
+    if (memory != NULL) {
+        Py_BEGIN_ALLOW_THREADS
+        status = evaluate_all(&l, memory);
+        Py_END_ALLOW_THREADS
     }
-    if (!look(args[3], &views[0], READ)) {
-        return NULL;
-    }
-    l.order = l.count > 0 ? (int)(items(&views[0]) / l.count) - 1 : 1;
-    PyBuffer_Release(&views[0]);
-    if (!look(args[1], &views[0], READ)) {
-        return NULL;
-    }
-    l.most = l.count > 0 ? items(&views[0]) / l.count : 0;
-    PyBuffer_Release(&views[0]);
-    rows = l.last - l.first + 1;
-    if (l.order < 1 || l.order > JOUNCE_MOST_ORDER || rows < 1 || l.points < 0) {
-        PyErr_SetString(PyExc_ValueError, "evaluate_lanes: expected states (N, m, n + 1) of order "
-                                          "n = 1 to 40, and first <= last");
-        return NULL;
-    }
-    wanted[0] = doubles(args[1], l.count * l.most);
-    wanted[1] = doubles(args[2], l.count * l.most * (l.order + 1));
-    wanted[2] = doubles(args[3], l.count * (l.order + 1));
-    wanted[3] = doubles_for_all(args[4], l.points, l.count);
-    wanted[4] = room(args[8], rows * l.count * l.points);
-    wanted[5] = doubles(args[0], l.count);
-    if (!look_into(wanted, 6, views)) {
-        return NULL;
-    }
-    l.lengths = views[0].buf;
-    l.states = views[1].buf;
-    l.ends = views[2].buf;
-    l.times = views[3].buf;
-    l.times_step = step_of(&views[3], l.points, l.count);
-    l.out = views[4].buf;
-    l.durations = views[5].buf;
-    size = l.most + 1 + (l.most + 2) * (l.order + 1);
-    memory = PyMem_Calloc((size_t)size, sizeof(double));
-    if (memory == NULL) {
-        release(views, 6);
-        return PyErr_NoMemory();
-    }
-    Py_BEGIN_ALLOW_THREADS
-    status = evaluate_all(&l, memory);
-    Py_END_ALLOW_THREADS
     PyMem_Free(memory);
     release(views, 6);
+    if (memory == NULL) {
+        return PyErr_NoMemory();
+    }
     if (status != JOUNCE_OK) {
         PyErr_SetString(PyExc_ValueError, "times must be finite: got NaN or infinity");
         return NULL;
@@ -1479,7 +1465,7 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
     jounce_status status;
     double distance, start;
     jounce_motion motion;
-    int order, i;
+    int order;
     if (!expect_or(count, 3, 5, "move(distance, bounds, start[, type, limits])") ||
         !one_number(args[0], &distance) || !one_number(args[2], &start)) {
         return NULL;
@@ -1492,11 +1478,7 @@ static PyObject *move(PyObject *module, PyObject *const *args, Py_ssize_t count)
     if (order == 0) {
         return NULL;
     }
-    status = jounce_move(distance, &limits, &motion);
-    for (i = 0; i < motion.count; i++) {
-        motion.pieces[i].x += start;
-    }
-    motion.end.x = start + distance;
+    status = move_from(start, distance, &limits, &motion);
     return planned(module, order, &motion, status, count > 3 ? args + 3 : NULL);
 }
 

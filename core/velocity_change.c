@@ -10,7 +10,7 @@ static jounce_change by_rising(const jounce_task *t) {
     double a0 = t->a0, a1 = t->a1, v = t->v0, rising, falling;
     double rise_time = 1.0 / t->rise, fall_time = 1.0 / t->fall; /* of a unit of acceleration */
     double kappa = 0.5 * rise_time + 0.5 * fall_time;
-    double square = (t->v1 - t->v0 + 0.5 * a0 * a0 / t->rise + 0.5 * a1 * a1 / t->fall) / kappa;
+    double square = (t->v1 - t->v0 + 0.5 * (a0 * a0 * rise_time + a1 * a1 * fall_time)) / kappa;
     double top = larger(a0, a1), peak = larger(square_root(larger(square, 0.0)), top);
     jounce_change change = {0};
     if (peak > t->a_max && t->a_max >= top) {

@@ -23,7 +23,8 @@ from .derivatives import derivative_name
 from .pieces import INVERSE_FACTORIALS, MAX_SAMPLES, FloatArray, evaluate
 from .trajectory import Trajectory
 
-_STRIDE = 256  # samples found by one matrix product
+_STRIDE = 1024  # samples found by one matrix product, at most
+_LEAP = 2**11  # multiplications in the time from one stride to the next
 _POWERS = 2**18  # entries of their powers, which for large systems shortens the strides
 _PRODUCT = 2**17  # multiplications at a time: larger products start threads, which cost more here
 _SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
@@ -137,7 +138,7 @@ def propagate(
     check_fed(trajectory, derivatives)
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
-    powers = system.powers(min(max(isqrt(count), 1), _STRIDE, _POWERS // system.generator.size + 1))
+    powers = system.powers(system.stride(count))
     if out is None:
         out = np.empty((len(a), count))
     out[:, 0] = initial
@@ -220,14 +221,21 @@ class _Driven:
         self.generator = generator * self.scale / self.scale[:, None]
         self.norm = float(np.abs(self.generator).sum(axis=0).max())
 
+    def stride(self, count: int) -> int:
+        """Return how many of all samples to find at a time: powers, and leaps, cost time."""
+        entries = self.generator.size
+        quickest = isqrt(count * _LEAP // max(self.size * entries, 1))
+        return min(max(quickest, 1), _STRIDE, _POWERS // entries + 1)
+
     def powers(self, stride: int) -> FloatArray:
         """Return the rows of x in the matrices that take [x; p] by 0 … stride steps."""
-        change = self._change
-        stack = np.eye(len(change))[None, : self.size]
-        while len(stack) <= stride:
-            stack = np.concatenate([stack, stack + stack @ change])
+        change, size = self._change, self.size
+        rows = np.eye(size, len(change))  # of one matrix after the other: one product for all
+        while len(rows) < (stride + 1) * size:
+            rows = np.concatenate([rows, rows + rows @ change])
             change = 2.0 * change + change @ change
-        scaled: FloatArray = stack[: stride + 1] * self.scale[: self.size, None] / self.scale
+        stack = rows[: (stride + 1) * size].reshape(stride + 1, size, len(change))
+        scaled: FloatArray = stack * self.scale[:size, None] / self.scale
         return scaled
 
     def cross(self, z: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
