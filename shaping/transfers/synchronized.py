@@ -34,7 +34,7 @@ class Synchronized(tuple[Trajectory, ...]):
     planned : tuple of (Limits, SCurveSettings or None)
         What each axis was planned with, as far as it is known.
     line : Line, optional
-        Of a straight line that moves: the line, and the motion along it.
+        Of axes that move on a straight line: the line, and the motion along it.
     """
 
     mode: Mode
@@ -136,8 +136,9 @@ class Synchronized(tuple[Trajectory, ...]):
         planned = self._changed(limits)
         ends = self._ends(targets, relative)
         if mode == "straight-line":
-            goals = None if targets is None else ends
-            motions, line = line_from(been, self.line, goals, planned, resultant)
+            motions, line = line_from(
+                been, self.line, ends, planned, resultant, stays=targets is None
+            )
             return Synchronized.of(motions, mode, planned, line)
         if resultant is not None:
             raise ValueError(
