@@ -177,7 +177,12 @@ class Synchronized(tuple[Trajectory, ...]):
                 ends.append(tuple(end))
                 continue
             state = [finite("target", value) for value in state_numbers("target", target)]
-            state[:1] = [value + (end[0] if relative else 0.0) for value in state[:1]]
+            if not state:
+                raise ValueError(
+                    f"target = {shown(target)}: expected a position, or (position, velocity, "
+                    "acceleration)"
+                )
+            state[0] += end[0] if relative else 0.0
             ends.append(tuple(state))
         return ends
 

@@ -333,6 +333,7 @@ def test_it_is_a_tuple_that_can_be_copied_and_shown():
         ({"targets": [1.0]}, r"^targets = \[1.0\]: expected 2 entries, one per axis, not 1$"),
         ({"targets": 1.0}, r"^targets = 1.0: expected a list with one entry per axis$"),
         ({"targets": [nan, 1.0]}, "^target = nan: expected a finite number$"),
+        ({"targets": [(), 1.0]}, r"^target = \(\): expected a position, or \(position, vel"),
         ({"targets": ["far", 1.0]}, "^target = 'far': expected a number"),
         ({"targets": [(9.0, 9.0), None]}, "axis 0: end velocity = 9.0 is outside its bounds"),
         ({"limits": [SMOOTH]}, "expected 2 entries, one per axis, not 1$"),
