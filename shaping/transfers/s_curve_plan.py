@@ -8,13 +8,14 @@ speeding up. Ways are planned in the positive direction, and mirrored for the ot
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import sqrt
+from math import ldexp, sqrt
 
 from ... import core
 from .s_curve_ramps import (
     Motion,
     Pieces,
     Rates,
+    Unit,
     distance_of,
     ease,
     leg,
@@ -36,6 +37,12 @@ def plan_move(begin: Motion, target: float, final_velocity: float, rates: Rates)
 
     With a jerk percent the acceleration at the beginning is taken for zero.
     """
+    unit = Unit.of(rates)
+    goal, final = unit.to(target, final_velocity)
+    return unit.back(_plan(unit.motion(begin), goal, final, unit.rates(rates)))
+
+
+def _plan(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     if rates.jerk_percent is not None:
         begin = begin[0], begin[1], 0.0
     course = begin[1] or begin[2] or target - begin[0]
@@ -47,19 +54,23 @@ def plan_move(begin: Motion, target: float, final_velocity: float, rates: Rates)
 
 def stopping_place(begin: Motion, final_velocity: float, rates: Rates) -> float:
     """Return the nearest position that can be passed at a final velocity without turning round."""
+    unit = Unit.of(rates)
+    begin, rates = unit.motion(begin), unit.rates(rates)
+    (final_velocity,) = unit.to(final_velocity)
     sign = 1.0 if (begin[1] or begin[2] or final_velocity) >= 0.0 else -1.0
     _, state = ease((sign * begin[0], sign * begin[1], sign * begin[2]), rates)
     velocity = max(sign * final_velocity, 0.0)
     settling = settling_velocity(state[1], state[2], rates)
     turn = _dip(state, velocity, rates) if velocity > settling > 0.0 else velocity
-    return sign * (state[0] + _distance_by_way_of(turn, state, velocity, rates))
+    place = state[0] + _distance_by_way_of(turn, state, velocity, rates)
+    return sign * ldexp(place, unit.exponent)
 
 
 def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
     if settling_velocity(begin[1], begin[2], rates) < 0.0:
         first, state = to_zero(begin, rates)
-        return first + plan_move(state, target, final_velocity, rates)
+        return first + _plan(state, target, final_velocity, rates)
     eased, begin = ease(begin, rates)
     direct = _one_way(begin, target, final_velocity, rates)
     if direct is not None:

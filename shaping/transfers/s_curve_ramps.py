@@ -7,7 +7,7 @@ bounds for slowing down give way to those for speeding up.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import frexp, inf, ldexp, sqrt
 
 from ... import core
 from ..checks import range_error
@@ -47,12 +47,55 @@ class Rates:
         )
 
 
+@dataclass(frozen=True)
+class Unit:
+    """The unit of length 2^exponent in which the acceleration is near 1; to it and back exactly.
+
+    Squares of numbers of any size so stay in the range of a double.
+    """
+
+    exponent: int
+
+    @classmethod
+    def of(cls, rates: Rates) -> Unit:
+        """Return the unit for some rates."""
+        return cls(frexp(rates.acceleration)[1])
+
+    def to(self, *values: float) -> tuple[float, ...]:
+        """Return values in this unit."""
+        return tuple(ldexp(value, -self.exponent) for value in values)
+
+    def motion(self, begin: Motion) -> Motion:
+        """Return a state in this unit."""
+        x, v, a = self.to(*begin)
+        return x, v, a
+
+    def rates(self, rates: Rates) -> Rates:
+        """Return rates in this unit."""
+        velocity, up, down = self.to(rates.velocity, rates.acceleration, rates.deceleration)
+        rise, fall = self.to(rates.acceleration_jerk, rates.deceleration_jerk)
+        return Rates(velocity, up, down, rise, fall, rates.jerk_percent, rates.percent_keeps_peak)
+
+    def back(self, pieces: Pieces) -> Pieces:
+        """Return the pieces of a motion planned in this unit."""
+        return [
+            (duration, tuple(ldexp(value, self.exponent) for value in row))
+            for duration, row in pieces
+        ]
+
+
 def plan_velocity(begin: Motion, velocity: float, rates: Rates) -> Pieces:
     """Return the pieces of the fastest change to a velocity, which is then kept.
 
     With a jerk percent the acceleration at the beginning is taken for zero. Where rates differ
     and the motion must turn round, it stops first.
     """
+    unit = Unit.of(rates)
+    (final,) = unit.to(velocity)
+    return unit.back(_change(unit.motion(begin), final, unit.rates(rates)))
+
+
+def _change(begin: Motion, velocity: float, rates: Rates) -> Pieces:
     if rates.jerk_percent is not None:
         begin = begin[0], begin[1], 0.0
         if rates.alike:
@@ -68,7 +111,7 @@ def _velocity_ahead(begin: Motion, velocity: float, rates: Rates) -> Pieces:
     """Return the change from a velocity ≥ 0."""
     if settling_velocity(begin[1], begin[2], rates) < 0.0:
         first, state = to_zero(begin, rates)
-        return first + plan_velocity(state, velocity, rates)
+        return first + _change(state, velocity, rates)
     eased, begin = ease(begin, rates)
     if velocity >= 0.0:
         return eased + leg(begin, velocity, rates)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from references import replay
 
-from jounce.shaping import s_curve_move
+from jounce.shaping import Limits, s_curve_move, synchronize, velocity_move
 
 RATES = ("velocity", "acceleration", "deceleration", "acceleration_jerk", "deceleration_jerk")
 WAYS = [(None, "duration"), (0.35, "duration"), (0.8, "acceleration")]
@@ -84,3 +84,52 @@ def test_a_percent_that_keeps_the_acceleration_never_exceeds_it_from_any_start()
         if not any(ends):
             less = s_curve_move(target, jerk_percent=0.5 * percent, **given)
             assert less.duration <= move.duration * (1.0 + 1e-12), text
+
+
+FOUR = {"acceleration": 8.0, "deceleration": 2.0, "acceleration_jerk": 40.0,
+        "deceleration_jerk": 5.0}  # fmt: skip
+
+
+def curve(size, target, **more):
+    """Return a move with all numbers but times in another unit."""
+    rates = {name: value * size for name, value in {**FOUR, "velocity": 4.0}.items()}
+    return s_curve_move(target * size, **rates, **more)
+
+
+SIZES = {
+    "a start and an end that move": lambda s: curve(
+        s, 10.0, start=(0.0, s, 0.5 * s), final_velocity=0.5 * s
+    ),
+    "a lowered velocity": lambda s: curve(s, 10.0).modify(1.0, velocity=0.4 * s),
+    "a lowered velocity near the end": lambda s: curve(s, 1.0).modify(0.4, velocity=0.2 * s),
+    "turning round": lambda s: curve(s, -1.0, start=(0.0, 3.0 * s, -1.5 * s)),
+    "a velocity": lambda s: velocity_move(
+        3.0 * s, **{name: value * s for name, value in FOUR.items()}, start=(0.0, -s, 0.3 * s)
+    ),
+    "axes": lambda s: synchronize(
+        [curve(s, 3.0), (0.0, 4.0 * s, Limits(s, 2.0 * s, 8.0 * s))]
+    ).modify(1.0, [6.0 * s, -8.0 * s]),
+    "a line": lambda s: synchronize(
+        [(0.0, 3.0 * s), (0.0, 4.0 * s)], "straight-line", resultant=curve(s, 5.0)
+    ).modify(1.0, [0.0, 8.0 * s]),
+}
+
+
+@pytest.mark.parametrize("name", SIZES)
+@pytest.mark.parametrize("exponent", [-900, -500, 500, 900])
+def test_numbers_of_any_size_are_planned_alike(name, exponent):
+    """In units of 2^±900 the squares of velocities and accelerations leave the range."""
+    expected = SIZES[name](1.0).duration
+    assert SIZES[name](2.0**exponent).duration == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [2.0**-900, 2.0**900])
+def test_remarks_and_the_nearest_target_too(size):
+    assert curve(size, 10.0).remarks == ()
+    [told] = curve(size, 10.0).modify(1.0, deceleration_jerk=0.5 * size).remarks
+    assert told.startswith("deceleration_jerk = ")
+    with pytest.raises(ValueError, match="takes a reversal") as caught:
+        curve(size, 0.1, start=(0.0, 3.0 * size), no_reversal=True)
+    with pytest.raises(ValueError, match="takes a reversal") as expected:
+        curve(1.0, 0.1, start=(0.0, 3.0), no_reversal=True)
+    assert caught.value.nearest == pytest.approx(expected.value.nearest * size)
