@@ -33,20 +33,49 @@ Ends = Sequence[tuple[float, ...]]
 
 
 @dataclass(frozen=True)
+class Leg:
+    """A straight line x = origin + direction·s from a time on; the direction is of length 1."""
+
+    since: float
+    origin: tuple[float, ...]
+    direction: tuple[float, ...]
+
+    def shares(self, motion: Trajectory, places: Places) -> list[Trajectory]:
+        """Return what each axis does of a motion along the line that begins at given places."""
+        from_zero = motion.shift(-float(motion.start_state[0]))
+        return [
+            from_zero.scale(share).shift(place)
+            for share, place in zip(self.direction, places, strict=True)
+        ]
+
+    def along(self, states: Ends) -> list[float] | None:
+        """Return position, velocity and acceleration along the line, None for a state off it."""
+        rows = [[s[k] if k < len(s) else 0.0 for s in states] for k in range(3)]
+        rows[0] = [x - o for x, o in zip(rows[0], self.origin, strict=True)]
+        found = []
+        for values in rows:
+            share = sum(u * value for u, value in zip(self.direction, values, strict=True))
+            off = hypot(*(v - share * u for u, v in zip(self.direction, values, strict=True)))
+            if off > ALIKE * hypot(*values):
+                return None
+            found.append(share)
+        return found
+
+
+@dataclass(frozen=True)
 class Line:
-    """A line x = origin + direction·s, and the motion s(t) along it.
+    """The straight lines that axes go along, one after the other, and the motion s(t) along them.
 
     Attributes
     ----------
-    origin, direction : tuple of float
-        One entry per axis; the direction is of length 1.
+    legs : tuple of Leg
+        The axes are at rest where one follows another.
     path : Trajectory
     planned : Limits or SCurveSettings, optional
         What the resultant was planned with, where it has bounds of its own.
     """
 
-    origin: tuple[float, ...]
-    direction: tuple[float, ...]
+    legs: tuple[Leg, ...]
     path: Trajectory
     planned: Planned = None
 
@@ -63,36 +92,27 @@ class Line:
         own: Planned = resultant if isinstance(resultant, Limits) else None
         if isinstance(resultant, SCurveMove):
             own = resultant.settings
-        return cls(tuple(starts), _towards(starts, ends), path, own)
+        leg = Leg(path.start_time, tuple(starts), _towards(starts, ends))
+        return cls((leg,), path, own)
 
-    def shares(self, motion: Trajectory, places: Places) -> list[Trajectory]:
-        """Return what each axis does of a motion along the line that begins at given places."""
-        from_zero = motion.shift(-float(motion.start_state[0]))
-        return [
-            from_zero.scale(share).shift(place)
-            for share, place in zip(self.direction, places, strict=True)
-        ]
+    def until(self, time: float) -> Line:
+        """Return the line up to a time."""
+        begun = [leg for leg in self.legs if leg.since <= time]
+        return replace(self, legs=tuple(begun or self.legs[:1]), path=before(self.path, time))
 
-    def along(self, states: Ends) -> list[float] | None:
-        """Return position, velocity and acceleration along the line, None for a state off it."""
-        places = [tuple(x - o for x, o in zip((s[0] for s in states), self.origin, strict=True))]
-        rates = [tuple(s[k] if k < len(s) else 0.0 for s in states) for k in (1, 2)]
-        found = []
-        for values in (*places, *rates):
-            share = sum(u * value for u, value in zip(self.direction, values, strict=True))
-            off = hypot(*(v - share * u for u, v in zip(self.direction, values, strict=True)))
-            if off > ALIKE * hypot(*values):
-                return None
-            found.append(share)
-        return found
+    def then(self, plan: Trajectory) -> Line:
+        """Return the line with a motion along its last leg behind its path."""
+        return replace(self, path=spliced(self.path, plan))
 
 
 def line_from(
     been: Sequence[Motion],
     line: Line | None,
-    ends: Ends | None,
+    ends: Ends,
     planned: Sequence[Planned],
     resultant: Limits | Mapping[str, float] | None,
+    *,
+    stays: bool,
 ) -> tuple[list[Motion], Line | None]:
     """Return the motions of axes that go on along their line, or stop and take another.
 
@@ -101,35 +121,34 @@ def line_from(
     been : sequence of Trajectory
         The motions up to now.
     line : Line, optional
-    ends : sequence of states, optional
-        None where they are to go to the old ones.
+    ends : sequence of states
     planned : sequence of Limits, SCurveSettings or None
         What each axis is planned with.
     resultant : Limits or rates, optional
         New bounds or rates of the motion along the line.
+    stays : bool
+        Whether the ends are the old ones.
     """
     own = _resultant(line, resultant)
-    places = [float(axis.end_state[0]) for axis in been]
-    if line is None or not _moves(before(line.path, been[0].end_time)):
+    time, places = been[0].end_time, [float(axis.end_state[0]) for axis in been]
+    past = None if line is None else replace(line.until(time), planned=own)
+    if past is None or line is None or not past.path.end_state[1:-1].any():
         if any(axis.end_state[1:-1].any() for axis in been):
             raise ValueError(
                 "the axes move and are on no straight line: use mode='both', or wait for rest"
             )
-        if ends is None:
-            ends = [(place,) for place in places]
-        return _anew(been, line, ends, planned, own)
-    past = before(line.path, been[0].end_time)
-    state = (*past.end_state[:3].tolist(), 0.0)[:3]
-    goal = line.path.end_state[:3].tolist() if ends is None else line.along(ends)
+        return _anew(been, past, ends, planned, own)
+    state = (*past.path.end_state[:3].tolist(), 0.0)[:3]
+    leg = past.legs[-1]
+    goal = leg.along(ends)
+    if stays and len(past.legs) == len(line.legs):
+        goal = line.path.end_state[:3].tolist()
     if goal is not None:
-        plan = _onward(state, goal, line, planned, own)
-        motions = _joined(been, line.shares(plan, places))
-        return motions, replace(line, path=spliced(past, plan), planned=own)
-    assert ends is not None
-    stop = _stop(state, line, planned, own)
-    stopped = _joined(been, line.shares(stop, places))
-    line = replace(line, path=spliced(past, stop), planned=own)
-    return _anew(stopped, line, ends, planned, own)
+        plan = _onward(state, goal, leg, planned, own)
+        return _joined(been, leg.shares(plan, places)), past.then(plan)
+    stop = _stop(state, leg, planned, own)
+    stopped = _joined(been, leg.shares(stop, places))
+    return _anew(stopped, past.then(stop), ends, planned, own)
 
 
 def _anew(
@@ -140,29 +159,31 @@ def _anew(
     own: Planned,
 ) -> tuple[list[Motion], Line | None]:
     """Return the motions of axes at rest along a line of their own."""
-    places = [float(axis.end_state[0]) for axis in been]
+    time, places = been[0].end_time, [float(axis.end_state[0]) for axis in been]
     direction = _towards(places, [end[0] for end in ends])
     if not any(direction):
         return list(been), line
-    s = float(line.path.end_state[0]) if line is not None else 0.0
-    origin = tuple(x - u * s for x, u in zip(places, direction, strict=True))
-    past = before(line.path, been[0].end_time) if line is not None else _point(been[0])
-    fresh = Line(origin, direction, past, own)
-    goal = fresh.along(ends)
+    if line is None:
+        path = Trajectory([time], np.empty((0, 2)), end_state=[0.0, 0.0])
+        line = Line((), path, own)
+    s = float(line.path.end_state[0])
+    leg = Leg(time, tuple(x - u * s for x, u in zip(places, direction, strict=True)), direction)
+    goal = leg.along(ends)
     if goal is None:
         raise ValueError(
             f"targets = {shown([list(end) for end in ends])}: a velocity or acceleration leads off "
             "the straight line to them; use mode='both', or end at rest"
         )
-    plan = _onward((s, 0.0, 0.0), goal, fresh, planned, own)
-    return _joined(been, fresh.shares(plan, places)), replace(fresh, path=spliced(past, plan))
+    plan = _onward((s, 0.0, 0.0), goal, leg, planned, own)
+    line = replace(line, legs=(*line.legs, leg))
+    return _joined(been, leg.shares(plan, places)), line.then(plan)
 
 
 def _onward(
-    state: Moment, goal: Places, line: Line, planned: Sequence[Planned], own: Planned
+    state: Moment, goal: Places, leg: Leg, planned: Sequence[Planned], own: Planned
 ) -> Trajectory:
     """Return the fastest motion along the line within the bounds of the axes and its own."""
-    limits = _limits(line, planned, own)
+    limits = _limits(leg, planned, own)
     if isinstance(own, SCurveSettings):
         settings = _tightened(own, limits)
         return s_curve_from(state, goal[0], replace(settings, final_velocity=goal[1])).trajectory
@@ -171,19 +192,19 @@ def _onward(
     return min_time_transfer(state[:n], goal[:n], limits).trajectory
 
 
-def _stop(state: Moment, line: Line, planned: Sequence[Planned], own: Planned) -> Trajectory:
+def _stop(state: Moment, leg: Leg, planned: Sequence[Planned], own: Planned) -> Trajectory:
     """Return the fastest way to rest along the line."""
-    limits = _limits(line, planned, own)
+    limits = _limits(leg, planned, own)
     if isinstance(own, SCurveSettings):
         return stop_from(state, _tightened(own, limits))
     assert limits is not None
     return Problem(state[: limits.order], (state[0],), limits).change_of_velocity().trajectory
 
 
-def _limits(line: Line, planned: Sequence[Planned], own: Planned) -> Limits | None:
+def _limits(leg: Leg, planned: Sequence[Planned], own: Planned) -> Limits | None:
     """Return the tightest bounds along the line, None where S-curve rates alone bound it."""
     shares: list[tuple[float, list[Pair]]] = []
-    for number, (share, each) in enumerate(zip(line.direction, planned, strict=True)):
+    for number, (share, each) in enumerate(zip(leg.direction, planned, strict=True)):
         if share and (each is not None or own is None):
             shares.append((share, _bounds(number, each)))
     if isinstance(own, Limits):
@@ -275,15 +296,6 @@ def changed(name: str, old: Planned, given: object) -> Planned:
 
 def _joined(been: Sequence[Motion], after: Sequence[Trajectory]) -> list[Motion]:
     return [spliced(first, second) for first, second in zip(been, after, strict=True)]
-
-
-def _point(motion: Motion) -> Trajectory:
-    """Return the path of axes that have not moved, up to the end of their motion."""
-    return Trajectory([motion.end_time], np.empty((0, 2)), end_state=[0.0, 0.0])
-
-
-def _moves(path: Trajectory) -> bool:
-    return bool(path.end_state[1:-1].any())
 
 
 def _towards(places: Places, ends: Places) -> tuple[float, ...]:

@@ -114,7 +114,7 @@ def jerk_remarks(settings: SCurveSettings) -> Iterator[str]:
         return
     for name in ("acceleration", "deceleration"):
         a, jerk = getattr(rates, name), getattr(rates, f"{name}_jerk")
-        least = a * a / rates.velocity
+        least = a * (a / rates.velocity)
         if jerk < least * (1.0 - ROUNDING):
             yield (
                 f"{name}_jerk = {jerk:g} is below {name}²/velocity = {least:g}: between rest and "

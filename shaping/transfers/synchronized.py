@@ -34,7 +34,7 @@ class Synchronized(tuple[Motion, ...]):
     planned : tuple of (Limits, SCurveSettings or None)
         What each axis was planned with, as far as it is known.
     line : Line, optional
-        Of a straight line that moves: the line, and the motion along it.
+        Of axes that move on a straight line: the line, and the motion along it.
     """
 
     mode: Mode
@@ -136,8 +136,9 @@ class Synchronized(tuple[Motion, ...]):
         planned = self._changed(limits)
         ends = self._ends(targets, relative)
         if mode == "straight-line":
-            goals = None if targets is None else ends
-            motions, line = line_from(been, self.line, goals, planned, resultant)
+            motions, line = line_from(
+                been, self.line, ends, planned, resultant, stays=targets is None
+            )
             return Synchronized.of(motions, mode, planned, line)
         if resultant is not None:
             raise ValueError(
@@ -176,7 +177,12 @@ class Synchronized(tuple[Motion, ...]):
                 ends.append(tuple(end))
                 continue
             state = [finite("target", value) for value in state_numbers("target", target)]
-            state[:1] = [value + (end[0] if relative else 0.0) for value in state[:1]]
+            if not state:
+                raise ValueError(
+                    f"target = {shown(target)}: expected a position, or (position, velocity, "
+                    "acceleration)"
+                )
+            state[0] += end[0] if relative else 0.0
             ends.append(tuple(state))
         return ends
 

@@ -333,6 +333,7 @@ def test_it_is_a_tuple_that_can_be_copied_and_shown():
         ({"targets": [1.0]}, r"^targets = \[1.0\]: expected 2 entries, one per axis, not 1$"),
         ({"targets": 1.0}, r"^targets = 1.0: expected a list with one entry per axis$"),
         ({"targets": [nan, 1.0]}, "^target = nan: expected a finite number$"),
+        ({"targets": [(), 1.0]}, r"^target = \(\): expected a position, or \(position, vel"),
         ({"targets": ["far", 1.0]}, "^target = 'far': expected a number"),
         ({"targets": [(9.0, 9.0), None]}, "axis 0: end velocity = 9.0 is outside its bounds"),
         ({"limits": [SMOOTH]}, "expected 2 entries, one per axis, not 1$"),
@@ -348,3 +349,67 @@ def test_wrong_changes_are_refused(arguments, message):
     axes = synchronize([(0.0, 4.0, SMOOTH), (1.0, 2.0, SMOOTH)])
     with pytest.raises((ValueError, TypeError), match=message):
         axes.modify(**{"time": 1.0, **arguments})
+
+
+# More on lines
+
+
+def test_after_a_corner_they_are_on_the_new_line_and_can_be_modified_again():
+    limits = Limits(1.0, 1.5, 6.0)
+    axes = synchronize([(0.0, 30.0), (0.0, 40.0)], "straight-line", resultant=limits)
+    corner = axes.modify(10.0, [0.0, 40.0])
+    turned = float(corner[0](10.0 + 1.0 / 1.5 + 0.25)), float(corner[1](10.0 + 1.0 / 1.5 + 0.25))
+    beyond = [turned[0] + 2.0 * (0.0 - turned[0]), turned[1] + 2.0 * (40.0 - turned[1])]
+    further = corner.modify(20.0, beyond)
+    assert_no_jump(further, 3)
+    assert [axis.end_state[0] for axis in further] == pytest.approx(beyond, abs=1e-9)
+    assert off_line(further, 12.0, further.duration) < 1e-9
+    assert further.resultant(np.linspace(20.0, further.duration, 300)[:-1], 1).min() > 0.0
+    twice = corner.modify(20.0, [5.0, 5.0]).modify(20.2, [-5.0, 0.0])
+    assert_no_jump(twice, 3)
+    assert_tied(twice)
+    assert_within(twice.resultant, limits, 0.0)
+
+
+def test_an_end_along_the_line_may_be_passed():
+    axes = synchronize([(0.0, 30.0), (0.0, 40.0)], "straight-line", resultant=SMOOTH)
+    passing = axes.modify(5.0, [(60.0, 0.6), (80.0, 0.8)])
+    assert passing.resultant.end_state[:2].tolist() == pytest.approx([100.0, 1.0])
+    assert [axis.end_state[1] for axis in passing] == pytest.approx([0.6, 0.8])
+    with pytest.raises(ValueError, match="leads off the straight line to them; use mode='both'"):
+        axes.modify(5.0, [(60.0, 0.8), (80.0, 0.6)])
+
+
+def test_s_curves_of_the_axes_bound_the_line_under_way():
+    axes = synchronize([s_curve_move(30.0, **CURVE), s_curve_move(40.0, **CURVE)], "straight-line")
+    further = axes.modify(5.0, [60.0, 80.0])
+    assert_no_jump(further, 3)
+    assert_tied(further)
+    for axis in further:
+        assert_within(axis, Limits(2.0, 1.0, 9.0), 5.0)
+    slower = axes.modify(5.0, limits=[None, {"velocity": 1.0}])
+    assert slower[1](20.0, 1) == pytest.approx(1.0)
+    percent = {**CURVE, "jerk_percent": 0.4, "acceleration_jerk": None}
+    by_percent = synchronize([s_curve_move(x, **percent) for x in (30.0, 40.0)], "straight-line")
+    with pytest.raises(ValueError, match=r"axis 0 was planned with .*: expected limits of order 2"):
+        by_percent.modify(5.0, [60.0, 80.0])
+    assert_no_jump(by_percent.modify(5.0, [60.0, 80.0], limits=SMOOTH), 2)
+
+
+def test_limits_of_two_orders_on_one_line_are_told():
+    axes = synchronize([(0.0, 30.0, SMOOTH), (0.0, 40.0, SMOOTH)], "straight-line")
+    with pytest.raises(ValueError, match=r"limits of orders \[2, 3\] along one line: expected one"):
+        axes.modify(5.0, limits=[PLAIN, None])
+
+
+def test_while_they_stop_for_a_corner_the_old_line_is_theirs():
+    """Left as they are, modified in the stop, they stop and take the same corner."""
+    axes = synchronize([(0.0, 30.0), (0.0, 40.0)], "straight-line", resultant=SMOOTH)
+    corner = axes.modify(10.0, [0.0, 40.0])
+    same = corner.modify(10.3)
+    assert_no_jump(same, 3)
+    assert same.duration == pytest.approx(corner.duration, rel=1e-6)
+    on = corner.modify(10.3, [30.0, 40.0])  # the old target after all
+    assert_no_jump(on, 3)
+    assert off_line(on, 0.0, on.duration) < 1e-9
+    assert on.resultant(np.linspace(0.1, on.duration, 300)[:-1], 1).min() > 0.0
