@@ -255,8 +255,8 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
     jounce_problem p;
     double left;
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), duration, &p);
-    if (!jounce_ends_within(&p.whole)) {
-        return JOUNCE_UNREACHABLE;
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
     jounce_start_inside(&p);
     left = scaled(duration, -p.units.time) - p.way.duration;
