@@ -99,8 +99,8 @@ jounce_status jounce_possible_durations(const jounce_state *start, const jounce_
     int i;
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), 0.0, &p);
     durations->count = 0;
-    if (!jounce_ends_within(&p.whole)) {
-        return JOUNCE_UNREACHABLE;
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
     jounce_start_inside(&p);
     possible(&p.task, durations);

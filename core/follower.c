@@ -162,13 +162,13 @@ static Reached sample_in_own_units(const Seen *seen, double slack, jounce_motion
     reached = sample_by_speed(&s, scaled(slack, x), m);
     reached.offset = scaled(reached.offset, -x);
     reached.w = scaled(reached.w, -v);
-    reached.a = scaled(reached.a, -a);
+    reached.a = clamp(scaled(reached.a, -a), -seen->down, seen->up); /* rounded among subnormals */
     for (i = 0; i < m->count; i++) {
         jounce_piece *piece = &m->pieces[i];
         piece->duration = scaled(piece->duration, -t);
         piece->x = scaled(piece->x, -x);
         piece->v = scaled(piece->v, -v);
-        piece->a = scaled(piece->a, -a);
+        piece->a = clamp(scaled(piece->a, -a), -seen->down, seen->up);
     }
     return reached;
 }
@@ -318,6 +318,9 @@ jounce_status jounce_follow(const jounce_follower *f, const jounce_state *state,
     m->end.v = r.w == s.w ? state->v : u + r.w;
     m->end.v = r.w == s.v_high ? f->limits.v_high : r.w == s.v_low ? f->limits.v_low : m->end.v;
     m->end.v = jounce_inside(m->end.v, f->limits.v_low, f->limits.v_high);
+    if (!jerky && f->limits.v_low <= state->v && state->v <= f->limits.v_high) {
+        m->end.v = clamp(m->end.v, f->limits.v_low, f->limits.v_high);
+    }
     m->end.a = r.a;
     return is_finite(m->end.x) && is_finite(m->end.v) ? JOUNCE_OK : JOUNCE_RANGE;
 }

@@ -328,8 +328,8 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
     jounce_problem p;
     double left;
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), duration, &p);
-    if (!jounce_ends_within(&p.whole)) {
-        return JOUNCE_UNREACHABLE;
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
     if (jumps_inside(start, limits, &p.whole)) {
         return JOUNCE_RANGE;

@@ -151,6 +151,7 @@ int jounce_fastest(const jounce_task *task, double start, double end, jounce_mot
 
 /* A transfer in its own units, its start brought inside. */
 typedef struct {
+    jounce_status status;    /* OK where the end keeps its bounds, at a distance that doubles hold */
     jounce_task whole, task; /* as asked, and what is left after the way inside */
     jounce_units units;
     double start, position, goal; /* of the whole, of the task, and the end, */
@@ -163,9 +164,6 @@ typedef struct {
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
                  double size, double duration, jounce_problem *problem);
 double jounce_size_of_positions(const jounce_state *start, const jounce_state *end);
-
-/* Whether the end keeps the bounds, at a distance that doubles hold. */
-int jounce_ends_within(const jounce_task *task);
 
 /* Bring its start inside. */
 void jounce_start_inside(jounce_problem *problem);

@@ -96,6 +96,15 @@ static int in_range(const jounce_motion *motion) {
     return sum == 0.0;
 }
 
+/* Whether the end keeps the bounds, at a distance that doubles hold. */
+static jounce_status status_of(const jounce_task *t) {
+    int within = t->v_min <= t->v1 && t->v1 <= t->v_max && t->a_min <= t->a1 && t->a1 <= t->a_max;
+    if (!is_finite(t->distance)) {
+        return JOUNCE_RANGE;
+    }
+    return within ? JOUNCE_OK : JOUNCE_UNREACHABLE;
+}
+
 /* Scale a problem to its own units. */
 void jounce_pose(const jounce_state *start, const jounce_state *end, const jounce_limits *limits,
                  double size, double duration, jounce_problem *p) {
@@ -113,6 +122,7 @@ void jounce_pose(const jounce_state *start, const jounce_state *end, const jounc
     t->fall = -limits->j_low;
     t->rise = limits->j_high;
     t->resolution = EPSILON * size;
+    p->status = status_of(t);
     p->units = jounce_to_own_units(t, duration);
     p->start = scaled(start->x, -p->units.length);
     p->goal = scaled(end->x, -p->units.length);
@@ -130,10 +140,6 @@ void jounce_start_inside(jounce_problem *p) {
     if (p->way.count > 0) {
         p->way.inside_after = jounce_time_inside(&p->whole, &p->way);
     }
-}
-
-int jounce_ends_within(const jounce_task *t) {
-    return is_finite(t->distance) && t->v_min <= t->v1 && t->v1 <= t->v_max && t->a_min <= t->a1 && t->a1 <= t->a_max;
 }
 
 static int starts_within(const jounce_task *t) {
@@ -170,8 +176,8 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
                               const jounce_limits *limits, double size, jounce_motion *motion) {
     jounce_problem p;
     jounce_pose(start, end, limits, size, 0.0, &p);
-    if (!jounce_ends_within(&p.whole)) {
-        return JOUNCE_UNREACHABLE;
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
     jounce_start_inside(&p);
     jounce_clear(motion);
@@ -194,8 +200,8 @@ jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_s
     jounce_problem p;
     goal.x = start->x;
     jounce_pose(start, &goal, limits, magnitude(start->x), 0.0, &p);
-    if (!jounce_ends_within(&p.whole)) {
-        return JOUNCE_UNREACHABLE;
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
     jounce_clear(motion);
     p.position = jounce_bring_acceleration_inside(&p.task, p.start, motion);

@@ -42,10 +42,10 @@ def whole(name: str, value: int, least: int, most: int) -> int:
     return number
 
 
-def range_error() -> ValueError:
-    """Return the error for a plan in numbers that no double holds."""
+def range_error(of: str = "") -> ValueError:
+    """Return the error for a plan, " of move 3", in numbers that no double holds."""
     return ValueError(
-        "the duration or a state leaves the range of a double: choose distance and time units "
+        f"the duration or a state{of} leaves the range of a double: choose distance and time units "
         "nearer to the problem's own"
     )
 

@@ -213,7 +213,10 @@ class CommandFollower(Frozen):
         run = self._core.run(begin, np.ascontiguousarray(given), speeds, states)
         if run != core.OK:
             raise range_error()
-        time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
+        with np.errstate(over="ignore"):
+            time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
+        if not np.isfinite(time).all():
+            raise range_error()
         return FollowerResponse(time, given, states)
 
     def motion(

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ... import core
 from ..batch import MotionBatch, Problems
+from ..checks import range_error
 from ..closed_moves import check_move_limits
 from ..frozen import Frozen
 from ..limits import Limits, not_limits, one_sided
@@ -174,7 +175,4 @@ def _check_range(distances: FloatArray, limits: Limits, duration: FloatArray) ->
         right = np.isfinite(ahead) | (distances == 0.0)
         raise one_sided(limits, right, "a bound in the direction of the move")
     move = index_text(int(np.argmax(wrong)), duration.shape)
-    raise ValueError(
-        f"the duration or a state of move {move} leaves the range of a double: choose distance and "
-        "time units nearer to the problem's own"
-    )
+    raise range_error(f" of move {move}")

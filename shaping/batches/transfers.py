@@ -16,7 +16,7 @@ from ..pieces import FloatArray
 from ..trajectory_checks import finite_numbers
 from ..transfers.problem import Transfer, check_orders
 from ..transfers.transfer import min_time_transfer
-from .lanes import Index, Shape, in_threads, limits_of, table
+from .lanes import Index, Shape, in_threads, index_text, limits_of, table
 
 
 def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> MotionBatch:
@@ -76,8 +76,9 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
         core.transfers(order, *problems.given(part), *times, *told)
 
     in_threads(some, duration.size)
-    if (statuses == core.RANGE).any():
-        raise range_error()
+    wrong = statuses == core.RANGE
+    if wrong.any():
+        raise range_error(f" of transfer {index_text(int(np.argmax(wrong)), shape)}")
     return MotionBatch(duration, inside_after, problems.frozen())
 
 

@@ -59,8 +59,14 @@ def _velocities(acceleration: float, limits: Limits) -> tuple[float, float]:
     """Return the lowest and highest velocity at which an acceleration can be built up from zero."""
     low, high = limits.bounds(1)
     a = min(max(acceleration, limits.bounds(2)[0]), limits.bounds(2)[1])
-    gain = 0.5 * a * a / limits.bounds(3)[1 if a > 0.0 else 0]
-    return (low + gain, high) if gain > 0.0 else (low, high + gain)
+    gain = _gain(a, limits)
+    return (min(low + gain, high), high) if gain > 0.0 else (low, max(high + gain, low))
+
+
+def _gain(acceleration: float, limits: Limits) -> float:
+    """Return the velocity that it takes to build an acceleration up from zero, signed like it."""
+    jerk = limits.bounds(3)[1 if acceleration > 0.0 else 0]
+    return 0.5 * acceleration * (acceleration / jerk)  # squares may leave the range
 
 
 def _accelerations(velocity: float, limits: Limits) -> tuple[float, float]:
@@ -69,8 +75,8 @@ def _accelerations(velocity: float, limits: Limits) -> tuple[float, float]:
     v = min(max(velocity, low), high)
     most, least = limits.bounds(2)[1], limits.bounds(2)[0]
     if isfinite(rise):
-        least = max(least, -sqrt(-2.0 * fall * (high - v)))
-        most = min(most, sqrt(2.0 * rise * (v - low)))
+        least = max(least, -sqrt(-fall) * sqrt(2.0) * sqrt(high - v))
+        most = min(most, sqrt(rise) * sqrt(2.0) * sqrt(v - low))
     return least, most
 
 
@@ -80,10 +86,8 @@ def unreachable(velocity: float, acceleration: float, limits: Limits) -> Infeasi
     Acceleration a1 > 0 is built up from zero at a velocity of at most v1 − a1²/(2·rise), which
     is below the bound; the other way round for a1 < 0.
     """
-    bound, jerk = limits.bounds(1)[0], limits.bounds(3)[1]
-    if acceleration < 0.0:
-        bound, jerk = limits.bounds(1)[1], limits.bounds(3)[0]
-    before = velocity - 0.5 * acceleration**2 / jerk
+    bound = limits.bounds(1)[1 if acceleration < 0.0 else 0]
+    before = velocity - _gain(acceleration, limits)
     least, most = _accelerations(velocity, limits)
     nearest = (most if acceleration > 0.0 else least) + 0.0  # no negative zero
     return InfeasibleError(

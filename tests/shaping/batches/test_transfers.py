@@ -322,3 +322,18 @@ def test_limits_of_another_kind_are_refused_as_everywhere(limits):
     for call in (min_time_transfers, min_time_transfer):
         with pytest.raises(TypeError, match=message):
             call([0.0], [1.0], limits)
+
+
+@pytest.mark.parametrize(
+    ("starts", "ends", "limits"),
+    [
+        ([0.0], [[1.0], [1e308]], Limits(1.0, 1e-300, 1e-300)),
+        ([0.0], [[1.0], [1e308]], Limits(1e-9, 1.0)),
+        ([[0.0], [-1.7e308]], [[1.0], [1.7e308]], Limits(1.0, 1.0, 1.0)),
+    ],
+)
+def test_a_transfer_that_leaves_the_range_is_named(starts, ends, limits):
+    with pytest.raises(
+        ValueError, match=r"^the duration or a state of transfer 1 leaves the range"
+    ):
+        min_time_transfers(starts, ends, limits)

@@ -3,6 +3,7 @@
 import os
 import time
 from math import copysign, inf, sqrt
+from sys import float_info
 
 import numpy as np
 import pytest
@@ -248,3 +249,31 @@ def test_a_million_samples():
     change = np.diff(states[1]) / dt
     assert change.max() <= UP * (1.0 + 1e-6)
     assert change.min() >= -DOWN * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("bound", [1e-320, 1e-310, 1e-300])
+@pytest.mark.parametrize("command", [5.0, -5.0])
+def test_the_least_bounds_are_kept_to_the_last_bit(command, bound):
+    limits = Limits(velocity=(-bound, bound), acceleration=(-float_info.max, 14.0))
+    states = CommandFollower(limits, dt=75.0).run(np.full(5, command)).states
+    assert (np.abs(states[1]) <= bound).all()
+    assert abs(states[1, -1]) == pytest.approx(bound, rel=0.01)
+
+
+def test_accelerations_stay_finite_in_the_shortest_of_samples():
+    limits = Limits(velocity=(-1.0, 0.07), acceleration=(-20.0, float_info.max))
+    commands = [0.0, 1e-160, 0.0, 9.7e233, 0.0, -1e300]
+    follower = CommandFollower(limits, dt=1e-320, period=0.19)
+    states = follower.run(commands).states
+    assert np.isfinite(states).all()
+    state = (0.0, 0.0)
+    for command, column in zip(commands, states.T, strict=True):
+        state = follower.step(state, command)
+        assert state == tuple(column)
+
+
+def test_times_beyond_the_range_are_refused():
+    follower = CommandFollower(Limits(velocity=1.0, acceleration=1.0), dt=float_info.max)
+    assert follower.step((0.0, 0.0), 1.0)[0] == 1.0
+    with pytest.raises(ValueError, match="leaves the range of a double"):
+        follower.run([1.0, 1.0])

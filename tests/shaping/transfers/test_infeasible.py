@@ -127,3 +127,30 @@ def test_it_is_a_value_error_that_survives_pickling():
     assert isinstance(again, ValueError)
     assert type(again) is InfeasibleError
     assert (str(again), again.bound, again.nearest) == ("too fast", "velocity", 0.25)
+
+
+@pytest.mark.parametrize("unit", [(-600, 0), (600, 0), (0, 140), (0, -140), (-400, 80)])
+@pytest.mark.parametrize(
+    ("end", "derivative"),
+    [((3.0, -0.9, 1.5), 2), ((3.0, -0.9, 2.5), 2), ((3.0, 1.5, -0.5), 1), ((3.0, -9.0, 0.2), 1)],
+)
+def test_the_nearest_is_the_same_in_any_units(end, derivative, unit):
+    def error(distance, time):
+        units = [2.0 ** (distance - k * time) for k in range(4)]
+        bounds = [bound * of for bound, of in zip((1.0, 2.0, 8.0), units[1:], strict=True)]
+        given = tuple(x * of for x, of in zip(end, units[:3], strict=True))
+        with pytest.raises(InfeasibleError) as caught:
+            min_time_transfer(0.0, given, Limits(*bounds))
+        return caught.value
+
+    here, there = error(0, 0), error(*unit)
+    assert there.bound == here.bound
+    expected = here.nearest * 2.0 ** (unit[0] - derivative * unit[1])
+    assert there.nearest == pytest.approx(expected, rel=1e-14)
+
+
+def test_of_an_acceleration_that_no_velocity_allows_the_nearest_velocity_is_a_bound():
+    limits = Limits(velocity=(-0.2, 2.0), acceleration=4.0, jerk=(-0.6, 1.2))
+    with pytest.raises(InfeasibleError) as caught:
+        min_time_transfer(0.0, (0.0, -1.2, -2.8), limits)
+    assert (caught.value.bound, caught.value.nearest) == ("velocity", -0.2)
