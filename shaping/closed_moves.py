@@ -13,7 +13,7 @@ from .checks import finite, range_error
 from .closed_form import fastest_form
 from .derivatives import derivative_name
 from .limits import Limits, check_both_sides, of_one, one_sided
-from .move_units import in_own_units
+from .move_units import are_ordinary, in_own_units
 from .rise import to_trajectory
 from .trajectory import Trajectory, point, within_range
 
@@ -72,6 +72,12 @@ def _in_own_units(
     plan: Callable[[float, Limits], Trajectory], distance: float, limits: Limits
 ) -> Trajectory:
     """Return a move planned in units of its own, powers of two, where those given are extreme."""
+    pairs = [(-low, high) for low, high in zip(limits.lower, limits.upper, strict=True)]
+    least = [distance, *(min(pair) for pair in pairs)]
+    *wide, highest = (max(pair) for pair in pairs)
+    most = [distance, *(one if one < inf else 0.0 for one in wide), highest]
+    if are_ordinary(least, most):
+        return plan(distance, limits)
     sides = [
         (np.array(low), np.array(high))
         for low, high in zip(limits.lower, limits.upper, strict=True)
@@ -79,7 +85,7 @@ def _in_own_units(
     units, own, bounds = in_own_units(np.array(distance), sides)
     within = Limits.from_bounds([(float(low), float(high)) for low, high in bounds])
     move = plan(float(own), within)
-    return within_range(lambda: units.trajectory(move)) if units.time or units.length else move
+    return within_range(lambda: units.trajectory(move))
 
 
 def fastest(distance: float, limits: Limits) -> Trajectory:

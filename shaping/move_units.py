@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, log2
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from .trajectory import Trajectory
 _EXTREME = 200  # a power of two of a unit that is left as it is
 _FAR = 20.0  # a bound 2²⁰ times what can be reached never binds
 _STEEP = 60.0  # a ramp that takes 2⁻⁶⁰ of the duration is none
+
+_NEAR = 19.0  # numbers within a factor of 2¹⁹ are ordinary: `_FAR` less one for rounding
+_USUAL = 180.0  # a power of two of a unit that is left as it is, whatever move it is of
 
 _LEAST = 5e-324
 
@@ -36,6 +40,8 @@ class MoveUnits(Frozen):
 
     def trajectory(self, own: Trajectory) -> Trajectory:
         """Return one motion in the caller's units."""
+        if not (self.time.any() or self.length.any()):
+            return own
         rows = [self.derivative(own.states[:, k], k) for k in range(own.order + 1)]
         end = [float(self.derivative(value, k)) for k, value in enumerate(own.end_state)]
         breaks, durations = self.times(own.breaks), self.times(own.durations)
@@ -43,15 +49,43 @@ class MoveUnits(Frozen):
 
     def times(self, own: FloatArray) -> FloatArray:
         """Return times in the caller's units."""
+        if not self.time.any():
+            return own
         with np.errstate(over="ignore", under="ignore"):
             times: FloatArray = np.ldexp(own, self.time)
         return times
 
     def derivative(self, own: FloatArray, k: int) -> FloatArray:
         """Return positions or a derivative k in the caller's units."""
+        powers = self.length - k * self.time
+        if not powers.any():
+            return own
         with np.errstate(over="ignore", under="ignore"):
-            values: FloatArray = np.ldexp(own, self.length - k * self.time)
+            values: FloatArray = np.ldexp(own, powers)
         return values
+
+
+def are_ordinary(least: Sequence[float], most: Sequence[float]) -> bool:
+    """Return whether moves surely are in their own units, and no finite bound is as none.
+
+    Given are the least and the largest of their distances R > 0 and of the finite bounds on
+    derivatives 1…n; infinity and 0 where there are none, and infinity too for a highest bound D
+    that is. Let times be in the unit T with R = D·Tⁿ. Where distances and bounds are within 2¹⁹ of
+    one another then, so are the means of them beyond which `in_own_units` takes bounds for none,
+    and no ramp takes less than 2⁻¹⁹ of a move.
+    """
+    n = len(least) - 1
+    if not (least[0] < inf and most[n] < inf):
+        return False
+    time = (log2(least[0]) - log2(least[n])) / n
+    logs = [
+        log2(one) + k * time
+        for values in (least, most)
+        for k, one in enumerate(values)
+        if 0.0 < one < inf
+    ]
+    low, high = min(logs), max(logs)
+    return high - low <= _NEAR and max(abs(low), abs(high), abs(time)) <= _USUAL
 
 
 def in_own_units(
@@ -67,6 +101,9 @@ def in_own_units(
     so that a bound beyond is none. The move takes T ≥ (R/L_k)^(1/k); the ramp of derivative m
     takes (L_m/L_k)^(1/(k−m)), which may as well be 2⁻⁶⁰·T where it is less.
     """
+    if are_ordinary(*_extremes(distance, sides)):
+        same = np.zeros(distance.shape, np.int64)
+        return MoveUnits(same, same), distance, list(sides)
     with np.errstate(all="ignore"):
         size = np.log2(np.where(distance > 0.0, distance, 1.0))
         wide = [np.log2(np.maximum(-low, high)) for low, high in sides]
@@ -89,6 +126,19 @@ def in_own_units(
             for (low, high), most, cap, power in zip(sides, reach, caps, powers, strict=True)
         ]
         return units, np.ldexp(distance, -units.length), bounds
+
+
+def _extremes(distance: FloatArray, sides: Sequence[Sides]) -> tuple[list[float], list[float]]:
+    """Return the least and the largest finite distance > 0, and bounds by derivative."""
+    least = [float(distance.min(where=distance > 0.0, initial=inf))]
+    most = [float(distance.max(initial=0.0))]
+    for k, (low, high) in enumerate(sides, start=1):
+        both = (-low, high)
+        least.append(float(min(side.min() for side in both)))
+        most.append(float(max(side.max() for side in both)))
+        if most[k] == inf and k < len(sides):
+            most[k] = float(max(side.max(where=side < inf, initial=0.0) for side in both))
+    return least, most
 
 
 def _reach(size: FloatArray, logs: list[FloatArray]) -> list[FloatArray]:

@@ -45,7 +45,7 @@ class ClosedForms(Frozen):
             times, forms.reshape(-1)[part] = fastest(lengths, bounds)
             duration.reshape(-1)[part] = units.times(times)
 
-        in_threads(some, duration.size, AT_ONCE // 8)  # whose arrays take half a megabyte
+        in_threads(some, duration.size, AT_ONCE // 2)  # whose arrays take half a megabyte
         return cls(distances, starts, limits, forms)
 
     @property

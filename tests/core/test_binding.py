@@ -7,6 +7,7 @@ import pytest
 
 from jounce import core
 from jounce.core import Pieces, binding
+from jounce.shaping import Limits, Transfer, min_time_transfer
 
 STUB = ast.parse((Path(core.__file__).parent / "binding.pyi").read_text(encoding="utf-8"))
 
@@ -38,7 +39,8 @@ def parameters(node):
 
 
 def told(function):
-    return [name.strip() for name in function.__text_signature__[1:-1].split(",") if name]
+    """Return the names that a function tells, those in brackets, which may be left out, too."""
+    return [name.strip("[ ]") for name in function.__text_signature__[1:-1].split(",") if name]
 
 
 def test_the_module_shows_what_its_types_name():
@@ -82,7 +84,8 @@ def test_what_is_returned_has_the_type_that_is_named():
     assert isinstance(motion.pieces(), Pieces)
     assert [array.ndim for array in motion.arrays()] == [1, 2, 1, 1]
     assert isinstance(binding.possible_durations((0.0,), (1.0,), limits)[0], tuple)
-    assert isinstance(binding.together((motion,), (limits,))[0], binding.Motion)
+    transfer = min_time_transfer((0.0, 0.3, 0.1), (1.0,), Limits(1.0, 2.0, 9.0))
+    assert isinstance(binding.together((transfer,), Transfer)[0], Transfer)
     follower = binding.Follower(limits, 0.01, float("inf"), 0.0, 0)
     state = follower.step((0.0, 0.0, 0.0, 0.0), 1.0, 0.0)
     assert [type(x) for x in state] == [float] * len(state)

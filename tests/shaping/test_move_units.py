@@ -6,7 +6,7 @@ from sys import float_info
 import numpy as np
 import pytest
 
-from jounce.shaping import Limits, min_time_move, min_time_moves
+from jounce.shaping import Limits, min_time_move, min_time_moves, move_units
 
 HUGE = 1e200, 1e300, float_info.max
 
@@ -82,3 +82,29 @@ def test_a_batch_of_any_scales_has_the_durations_and_pieces_of_its_moves(order):
         assert batch[i].duration == pytest.approx(move.duration, rel=1e-12)
         values = batch(times[i])[i]
         assert values == pytest.approx(move(times[i]), rel=1e-9)
+
+
+def test_ordinary_moves_are_in_their_own_units_by_the_formulas_too(monkeypatch):
+    """What returns at once is what logarithms of means and ramps find."""
+    rng, count = np.random.default_rng(4), 0
+    ordinary = move_units.are_ordinary
+    for _ in range(2000):
+        order, width = int(rng.integers(1, 9)), rng.uniform(0.5, 9.0)
+        distance = 10.0 ** rng.uniform(-width, width, 3)
+        time = 10.0 ** rng.uniform(-3.0, 3.0)
+        highs = [10.0 ** rng.uniform(-width, width, 3) / time**k for k in range(1, order + 1)]
+        for high in highs[:-1]:
+            high[rng.random(3) < 0.1] = inf
+        sides = [(-high * rng.choice([1.0, 0.5, 2.0]), high) for high in highs]
+        told = []
+        monkeypatch.setattr(
+            move_units, "are_ordinary", lambda *a, told=told: told.append(ordinary(*a))
+        )
+        units, own, bounds = move_units.in_own_units(distance, sides)
+        if told[0]:
+            count += 1
+            assert not units.time.any()
+            assert not units.length.any()
+            np.testing.assert_array_equal(own, distance)
+            np.testing.assert_array_equal(bounds, sides)
+    assert 500 < count < 1900
