@@ -311,7 +311,10 @@ static int by_mean(const jounce_task *task, double duration, double start, jounc
     jounce_pieces_of(&up, &highest, start, start + top, &above);
     jounce_pieces_of(&down, &lowest, -start, -start - bottom, &below);
     jounce_turn(&below, 0);
-    return above.count > 0 && below.count > 0 && add_mean(&pair, duration, motion);
+    if (above.count == 0 || below.count == 0) { /* it is there, and has no time */
+        return 1;
+    }
+    return add_mean(&pair, duration, motion);
 }
 
 /* Whether the start's acceleration is beyond its bounds, and beside the duration its way inside takes

@@ -59,6 +59,11 @@ def test_a_duration_that_only_rounding_allows_is_refused_and_never_another_one_t
     assert transfer_lasting(start, end, bounds, 1.7371745391127092e-11) == NO_DURATION
 
 
+def test_a_motion_that_is_already_there_takes_no_time():
+    there = (0.0, 0.0, 0.046875)
+    assert transfer_lasting(there, there, (-inf, inf, -inf, inf, -1.0, 1.0), 0.0).duration == 0.0
+
+
 def test_a_way_inside_too_short_for_numbers_beside_the_duration_is_out_of_range():
     start, end = (0.0, -1.0, -4.9e34), (-9.4e-17, -0.34651249053624322, 0.0)
     bounds = (-0.69302498107248645, 1.0, -3.1e-42, 4.9e-43, -7.4e-52, 9.5e-53)
