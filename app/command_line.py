@@ -162,8 +162,8 @@ def plan_command(
     controllers have it.
     """
     from .plan import plan_move
+    from .plan_report import certificate_table, plan_tables
     from .plan_s_curve import SCurveText, plan_s_curve
-    from .report import certificate_table, plan_tables
 
     _refuse_extra([distance or "", *context.args])
     rates = SCurveText(
