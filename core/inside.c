@@ -71,7 +71,7 @@ static double level(const jounce_task *t, double top) {
         settling -= 0.5 * t->a1 * t->a1 / (t->a1 > 0.0 ? t->rise : -t->fall);
     }
     settling = clamp(settling, low, top);
-    if (excess(t, settling) <= 0.0) {
+    if (excess(t, settling) <= slack) {
         low = settling;
     } else {
         high = settling;

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import exp, inf, isfinite, log, sqrt
+from typing import Any
 
 from .pieces import RealArray, advance, extrema
 from .rise import (
@@ -109,9 +110,10 @@ def swing_form(distance: float, bounds: Sequence[float]) -> SwingForm | None:
     Where the distance is too short to hold A, A is lowered until the hold vanishes.
     """
     order = len(bounds) - 2
-    if order < 1 or not isfinite(bounds[1]):
+    if order < 1:
         return None
-    velocity, acceleration, inner = bounds[0], bounds[1], bounds[2:]
+    velocity, inner = bounds[0], bounds[2:]
+    acceleration = min(bounds[1], beyond_swings(distance, order, inner[-1]))
     velocity_gain, position_gain = crossing_gains(order)
     excess = 0.5 * (distance - _swing_distance(acceleration, inner, position_gain)) / acceleration
     if excess < 0.0:
@@ -125,6 +127,15 @@ def swing_form(distance: float, bounds: Sequence[float]) -> SwingForm | None:
         return None
     duration = 2.0 * (up[0] + hold) + across[0]
     return SwingForm(order, acceleration, distance, up, across, hold, duration)
+
+
+def beyond_swings(distance: Any, order: int, highest: Any) -> Any:
+    """Return an acceleration above that of every swing without hold, on numbers or arrays.
+
+    A swing at 16·R^(1−2/n)·D^(2/n), n = order + 2, goes farther than R, whatever binds besides.
+    """
+    power = 2.0 / (order + 2)
+    return 16.0 * distance ** (1.0 - power) * highest**power
 
 
 def fastest_form(distance: float, bounds: Sequence[float]) -> ChainForm | SwingForm:

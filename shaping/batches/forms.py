@@ -33,11 +33,10 @@ def fastest(distance: FloatArray, bounds: Sequence[FloatArray]) -> tuple[FloatAr
         Symmetric bounds on derivatives 1…n, velocity first.
     """
     order = len(bounds)
-    duration, forms = np.full(distance.shape, np.inf), np.zeros(len(distance), dtype=np.int8)
+    forms = np.zeros(len(distance), dtype=np.int8)
     with np.errstate(all="ignore"):
-        if np.isfinite(bounds[1]).any():
-            duration = swings(distance, bounds).duration
-            forms[:] = order
+        duration = swings(distance, bounds).duration
+        forms[:] = order
         for level in range(order - 1, -1, -1):  # of several that tie the lowest level
             other = chains(distance, bounds, level).duration
             better = other <= duration

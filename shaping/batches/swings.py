@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..closed_form import crossing_gains
+from ..closed_form import beyond_swings, crossing_gains
 from ..pieces import FloatArray
 from .chains import span_terms, spline_spans
 
@@ -45,10 +45,11 @@ def swings(distance: FloatArray, bounds: Sequence[FloatArray]) -> Swings:
     velocity, acceleration, *inner = bounds
     velocity_gain, position_gain = crossing_gains(len(inner))
     terms = span_terms(inner)
-    acceleration = np.array(np.broadcast_to(acceleration, distance.shape))
+    natural = beyond_swings(distance, len(inner), inner[-1])
+    acceleration = np.array(np.broadcast_to(np.minimum(acceleration, natural), distance.shape))
     excess = distance - _distance(acceleration, terms, position_gain)
     excess *= 0.5 / acceleration
-    [short] = np.nonzero((excess < 0.0) & np.isfinite(acceleration))
+    [short] = np.nonzero(excess < 0.0)
     if short.size:
         some = [(_lanes(slope, short), power) for slope, power in terms]
         acceleration[short] = _solve_acceleration(
@@ -61,7 +62,6 @@ def swings(distance: FloatArray, bounds: Sequence[FloatArray]) -> Swings:
     hold = 2.0 * excess / (b + np.sqrt(b * b + 2.0 * excess))
     peak = acceleration * (0.5 * up[0] + hold + velocity_gain * across[0])
     duration = 2.0 * (up[0] + hold) + across[0]
-    # not a number where acceleration is unbounded
     duration = np.where(peak <= velocity, duration, np.inf)
     return Swings(len(inner), acceleration, up, across, hold, duration)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from references import BOUND, CONTINUITY, joint_gaps, move_text, reference_problems
 from strategies import bound_lists
 
-from jounce.shaping import Limits
+from jounce.shaping import Limits, min_time_move, min_time_moves
 from jounce.shaping.closed_form import chain_form, fastest_form, spline_peaks, swing_form
 from jounce.shaping.rise import spline_divisor, to_trajectory
 
@@ -174,12 +174,33 @@ def test_order_3_longer_moves_are_thompsons_case_2():
     ("bounds", "why"),
     [
         ([1.0, 1.0], "order 2 has no ramp of acceleration"),
-        ([inf, inf, 1.0, 1.0], "acceleration is not bounded"),
         ([0.5, 1.0, inf, 1.0], "velocity is in the way"),
     ],
 )
 def test_there_is_no_longer_move_where(bounds, why):
     assert swing_form(100.0, bounds) is None, why
+
+
+@pytest.mark.parametrize("order", range(4, 11))
+def test_without_a_bound_on_acceleration_the_longer_move_is_as_with_one_that_never_binds(order):
+    """A swing is found from any acceleration above its own; 1e3 and 1e9 are, as none is."""
+    others = [0.3] * (order - 3) + [1.0]
+    free = swing_form(2.0, [inf, inf, *others])
+    for never in (1e3, 1e9):
+        bounded = swing_form(2.0, [inf, never, *others])
+        assert bounded.duration == pytest.approx(free.duration, rel=1e-12), never
+        assert bounded.acceleration == pytest.approx(free.acceleration, rel=1e-12), never
+
+
+def test_a_bound_left_out_never_costs_time():
+    """What is 4 % slower for a lost form: the acceleration's bound is 1e7 times what is reached."""
+    bounds = [1.119465151519899, 863021.4375153232, 0.008867965781874461, 0.005517291674587121]
+    for acceleration in (inf, 1e6, 1.0, 0.03):
+        limits = Limits.from_bounds([bounds[0], acceleration, *bounds[2:]])
+        move = min_time_move(0.15130620071966366, limits, method="closed-form")
+        assert move.duration == pytest.approx(10.46079793660923, rel=1e-12), acceleration
+        [many] = min_time_moves([0.15130620071966366], limits).duration
+        assert many == pytest.approx(move.duration, rel=1e-14), acceleration
 
 
 def test_a_longer_distance_takes_longer():
