@@ -15,10 +15,11 @@ from .flexible_mode import FlexibleMode
 from .friction import Friction
 from .inertia import Inertia
 from .inverse import inverse_feedforward, low_frequency_feedforward
+from .loop_response import LoopResponse
 from .pid import PID, design_pid, printed_pid
 from .respond import respond
 from .sampled import zero_order_hold
-from .servo_loop import LoopResponse, ServoLoop
+from .servo_loop import ServoLoop
 
 __all__ = [
     "PID",
