@@ -7,6 +7,7 @@ from .cascade import CascadedPI
 from .closed_systems import Sensitivity
 from .commands import Ramp, Sine
 from .controller import Controller, as_controller
+from .deviations import LoopDeviations
 from .disturbances import SampledTorque, TorqueSine, TorqueSteps, Wind
 from .feedforward import Feedforward, InertiaFeedforward
 from .filters import LeadLag, LowPass, Notch
@@ -35,6 +36,7 @@ __all__ = [
     "Inertia",
     "InertiaFeedforward",
     "LeadLag",
+    "LoopDeviations",
     "LoopResponse",
     "LowPass",
     "Notch",

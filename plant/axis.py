@@ -174,7 +174,8 @@ class Axis(Frozen):
     def system(self) -> control.StateSpace:
         """Return the linear part as a python-control system.
 
-        It leads from (u, d_motor, d_load) to (y, y_rate, y_load, twist, torque, y_motor). y is the measured position, y_rate the measured velocity (with two encoders the load's
+        From (u, d_motor, d_load) to (y, y_rate, y_load, twist, torque, y_motor):
+        y is the measured position, y_rate the measured velocity (with two encoders the load's
         position and the motor's velocity), twist load less motor, torque that of the motor, behind
         the current loop. Friction, limit and resolution are left out.
         """

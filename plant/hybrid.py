@@ -18,7 +18,7 @@ from .open_loop import OpenLoop
 
 
 class Mode(NamedTuple):
-    """Friction sticks (0) or slips (±1), the torque is at a limit (±1), the integral is held (±1)."""
+    """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1)."""
 
     friction: int = 0
     limit: int = 0

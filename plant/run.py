@@ -187,7 +187,7 @@ class Pieces:
     @cached_property
     def bounds(self) -> FloatArray:
         """What the magnitude does not exceed in each piece."""
-        return np.abs(self.scaled).sum(axis=0)
+        return np.asarray(np.abs(self.scaled).sum(axis=0))
 
     def peak(self) -> float:
         """Return the largest magnitude."""

@@ -27,7 +27,8 @@ from .closed_systems import (
 )
 from .commands import as_command
 from .controller import Controller, as_controller
-from .disturbances import checked_disturbances
+from .deviations import LoopDeviations, loop_deviations
+from .disturbances import Wind, checked_disturbances
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
@@ -75,10 +76,10 @@ class ServoLoop(Frozen):
         as_axis(self.plant)
         as_controller(self.controller)
         as_feedforward(self.feedforward)
-        if self._forward.lead and not self.is_digital:
+        if self.feedforward_noun.lead and not self.is_digital:
             raise ValueError(
-                f"lead = {self._forward.lead!r} in a continuous loop: a lead makes up for the "
-                "delay of a digital controller; leave it out"
+                f"lead = {self.feedforward_noun.lead!r} in a continuous loop: a lead makes up for "
+                "the delay of a digital controller; leave it out"
             )
 
     @cached_property
@@ -89,19 +90,22 @@ class ServoLoop(Frozen):
     @property
     def is_digital(self) -> bool:
         """Whether the controller runs once a sample."""
-        return self._control.sample_time is not None
+        return self.controller_noun.sample_time is not None
 
     @cached_property
-    def _control(self) -> Controller:
+    def controller_noun(self) -> Controller:
+        """The controller, a law alone made one."""
         return as_controller(self.controller)
 
     @cached_property
-    def _forward(self) -> Feedforward:
+    def feedforward_noun(self) -> Feedforward:
+        """The feedforward, none or an inertia's made one."""
         return as_feedforward(self.feedforward)
 
     @cached_property
-    def _open(self) -> OpenLoop:
-        return open_loop(self.axis, self._control, self._forward)
+    def open_loop(self) -> OpenLoop:
+        """Axis and continuous controller, the torque not yet connected."""
+        return open_loop(self.axis, self.controller_noun, self.feedforward_noun)
 
     @property
     def _is_ideal(self) -> bool:
@@ -122,11 +126,11 @@ class ServoLoop(Frozen):
         if self.axis.sensor == "both":
             return self._broken_at_torque()
         plant = self.plant if self._is_ideal else self.axis
-        return _named(plant.transfer() * self._control.transfer(), "e", "y", "loop")
+        return _named(plant.transfer() * self.controller_noun.transfer(), "e", "y", "loop")
 
     def _broken_at_torque(self) -> control.StateSpace:
         """Return the continuous loop from u to −u_feedback."""
-        o = self._open
+        o = self.open_loop
         n = len(o.a)
         return linear_system(
             (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
@@ -209,10 +213,12 @@ class ServoLoop(Frozen):
             if dt is not None or delay is not None:
                 raise ValueError(
                     f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
-                    f"sample_time = {self._control.sample_time!r} and delay = "
-                    f"{self._control.delay!r}; leave them out, or replace(controller, …)"
+                    f"sample_time = {self.controller_noun.sample_time!r} and delay = "
+                    f"{self.controller_noun.delay!r}; leave them out, or replace(controller, …)"
                 )
-            return loop_behind(self._held_plant(), self._control.sampled(), self._control.delay)
+            return loop_behind(
+                self._held_plant(), self.controller_noun.sampled(), self.controller_noun.delay
+            )
         if dt is None:
             raise ValueError("a continuous controller has no samples: give dt = …")
         if not isinstance(self.controller, PID):
@@ -244,7 +250,7 @@ class ServoLoop(Frozen):
 
         There PS is the response to a torque that is held from sample to sample.
         """
-        axis, controller = self.axis, self._control
+        axis, controller = self.axis, self.controller_noun
         if controller.sample_time is None:
             if axis.sensor == "both":
                 raise ValueError(
@@ -261,7 +267,7 @@ class ServoLoop(Frozen):
         import control
 
         if not self._is_ideal:
-            return closed_system(self.axis, self._open)
+            return closed_system(self.axis, self.open_loop)
         plant = self.plant.system()
         outputs = ["y", "e", "u", *plant.output_labels[2:]]
         return control.interconnect(
@@ -358,11 +364,42 @@ class ServoLoop(Frozen):
         scene = self._scene(given, duration, disturbance, start, noise, times)
         return response_of(scene, dt, times)
 
+    def deviations(self, wind: Wind | None = None, *, encoder_noise: float = 0.0) -> LoopDeviations:
+        """Return the standard deviations of the linear loop in wind and noise, the command still.
+
+        By the covariance at the samples (Lyapunov's equation, the wind's noise gathered over hold
+        and delay), or of a spectrum that is no rational function by the integral over frequency,
+        what is above the Nyquist frequency included. Friction, limit and resolution are left out;
+        the encoder's step q is fairly white noise of q/√12 where the axis moves by more in a
+        sample.
+
+        Parameters
+        ----------
+        wind : Wind, optional
+        encoder_noise : float, optional
+            Standard deviation of independent errors of each sample.
+
+        Returns
+        -------
+        LoopDeviations
+
+        Raises
+        ------
+        ValueError
+            For an unstable loop, or encoder noise in a loop without samples.
+        """
+        if encoder_noise and not self.is_digital:
+            raise ValueError(
+                f"encoder_noise = {encoder_noise!r} in a continuous loop: noise comes with each "
+                "sample; give the controller a sample_time"
+            )
+        return loop_deviations(self, wind, finite("encoder_noise", encoder_noise))
+
     def _check_fed(self, command: Any) -> None:
         if isinstance(command, Trajectory):
-            highest = self._forward.order
+            highest = self.feedforward_noun.order
             if not self.is_digital:
-                highest = max(highest, self._open.fed.shape[1] - 1)
+                highest = max(highest, self.open_loop.fed.shape[1] - 1)
             check_fed(command, range(highest + 1))
 
     def _scene(
@@ -383,8 +420,8 @@ class ServoLoop(Frozen):
         measured = None if noise is None else real_array("noise", noise)
         scene = Scene(
             self.axis,
-            self._control,
-            self._forward,
+            self.controller_noun,
+            self.feedforward_noun,
             command,
             where if start is None else finite("start", start),
             begin,
@@ -429,7 +466,7 @@ class ServoLoop(Frozen):
         if behind is not None:
             inputs = product(behind, states[: behind.shape[1]], np.empty((3, time.size)))
             states = states[behind.shape[1] :]
-        if self._forward.position:
+        if self.feedforward_noun.position:
             outputs[1] = inputs[0] - outputs[0]
         for row in (outputs[0], states[0], inputs[0], *outputs[3:4]):
             row += start

@@ -1,7 +1,8 @@
 """Cases of loops, built from plain parameters through the public names of the library."""
 
-from math import factorial, inf
+from math import factorial, inf, pi, sqrt
 
+import control
 import numpy as np
 
 from jounce.plant import (
@@ -22,9 +23,11 @@ from jounce.plant import (
     Sine,
     TorqueSine,
     TorqueSteps,
+    Wind,
     chain_axis,
+    respond,
 )
-from jounce.shaping import Trajectory
+from jounce.shaping import Trajectory, input_shaper
 
 FILTERS = {
     "notch": lambda f: Notch(
@@ -183,3 +186,73 @@ def run_response(parameters):
         found["stick_intervals_s"] = [list(part) for part in response.stick_intervals]
         found["time_in_stick_s"] = response.time_in_stick
     return found
+
+
+def run_shapers(p):
+    omega, zeta = 2 * pi * p["mode_frequency_hz"], p["mode_damping_ratio"]
+    carried = control.ss(control.tf([2 * zeta * omega, omega**2], [1, 2 * zeta * omega, omega**2]))
+    command = command_of(p["command"])
+    return {kind: run_shaper(kind, p, carried, command) for kind in p["shapers"]}
+
+
+def run_shaper(kind, p, carried, command):
+    """Return what a shaper does to a load on a motor that follows the command exactly."""
+    f, zeta = p["mode_frequency_hz"], p["mode_damping_ratio"]
+    shaper = input_shaper(kind, f, zeta)
+    shaped = shaper.shape(command)
+
+    def state(t):
+        """Return position and velocity of the load."""
+        out = respond(carried, shaped, t, duration=t)
+        x = out.states[:, -1]
+        rate = carried.A @ x + carried.B[:, 0] * shaped(t)
+        return out.outputs[-1], (carried.C @ rate)[0]
+
+    end = shaped.end_time
+    off, rate = state(end)
+    off -= float(shaped.end_state[0])
+    damped = 2 * pi * f * sqrt(1 - zeta**2)
+    return {
+        "times_s": shaper.times,
+        "amplitudes": shaper.amplitudes,
+        "residual_vibration_at_frequency_ratio": {
+            str(ratio): float(shaper.residual(ratio * f, zeta))
+            for ratio in (0.8, 0.9, 1.0, 1.1, 1.2)
+        },
+        "shaped_command_rad": shaped(p["instants_s"]),
+        "load_position_rad": [state(t)[0] for t in p["instants_s"]],
+        "residual_amplitude_at_move_end_rad": np.hypot(
+            off, (rate + zeta * 2 * pi * f * off) / damped
+        ),
+        "move_end_s": end,
+    }
+
+
+def wind_of(p):
+    return Wind(
+        p["kind"],
+        p["sigma_nm"],
+        corner_hz=p.get("corner_hz"),
+        length_over_speed=p.get("length_over_speed_s"),
+        on=p["on"],
+    )
+
+
+def run_variances(parameters):
+    controller = parameters["controller"]
+    loop = ServoLoop(axis_of(parameters), controller_of(controller), feedforward_of(controller))
+    noise = parameters.get("encoder_noise_sigma_rad", 0.0)
+
+    def named(found):
+        return {
+            "load_sigma_at_samples_rad": found.load,
+            "motor_sigma_at_samples_rad": found.motor,
+            "command_torque_sigma_nm": found.torque,
+        }
+
+    found = loop.deviations(wind_of(parameters["wind"]), encoder_noise=noise)
+    result = named(found) | {"load_sigma_time_average_rad": found.load_average}
+    if "von_karman_wind" in parameters:
+        other = loop.deviations(wind_of(parameters["von_karman_wind"]), encoder_noise=noise)
+        result["von_karman_instead"] = named(other)
+    return result
