@@ -10,9 +10,9 @@ enum { KEPT = 6, CHECKS = KEPT + 1, AT_ONCE = 24 };
 
 #define AT_ONCE_LENGTH 1e-15 /* of a step: shorter ones are none */
 
-/* Where things are in the work space: of each mode the matrices of two steps; of each guard for both
- * steps the rows of its first Chebyshev coefficients and of a bound of the others, then those of
- * its Taylor coefficients. */
+/* Where things are in the work space: of each mode the matrices of two steps, column by column; of
+ * each guard for both steps the rows of its first Chebyshev coefficients, column by column, and of
+ * a bound of the others, then the rows of its Taylor coefficients. */
 typedef struct {
     int n, moving, guards, each;
     double *modes, *series, *power, *room;
@@ -70,18 +70,20 @@ static void times_rates(const double *by, const double *rates, int rows, const P
     }
 }
 
-/* The moving rows of exp(A h). */
+/* The moving rows of exp(A h), column by column. */
 static void make_matrix(const Places *p, const double *rates, double h, double *matrix) {
-    int i, k, size = p->moving * p->n;
+    int i, j, k, size = p->moving * p->n;
     for (i = 0; i < size; i++) {
-        matrix[i] = i % p->n == i / p->n;
-        p->power[i] = matrix[i];
+        matrix[i] = i % p->moving == i / p->moving;
+        p->power[i] = i % p->n == i / p->n;
     }
     for (k = 1; k < JOUNCE_TERMS + 4; k++) {
         times_rates(p->power, rates, p->moving, p, h / (double)k, p->room);
-        for (i = 0; i < size; i++) {
-            p->power[i] = p->room[i];
-            matrix[i] += p->room[i];
+        for (i = 0; i < p->moving; i++) {
+            for (j = 0; j < p->n; j++) {
+                p->power[i * p->n + j] = p->room[i * p->n + j];
+                matrix[j * p->moving + i] += p->room[i * p->n + j];
+            }
         }
     }
 }
@@ -124,7 +126,7 @@ static void make_checks(const Places *p, const double *terms, double ratio, doub
         }
         for (i = 0; i < p->n; i++) {
             if (j < KEPT) {
-                checks[j * p->n + i] = row[i];
+                checks[i * KEPT + j] = row[i];
             } else {
                 checks[KEPT * p->n + i] += magnitude(row[i]);
             }
@@ -156,15 +158,18 @@ void jounce_prepare(jounce_run *run) {
 /* Whether a guard's row z is proven to stay positive during a whole step. */
 static int stays(const double *checks, const double *z, int n) {
     const double *bound = checks + KEPT * n;
-    double rest = 0.0;
+    double c[KEPT] = {0.0}, rest = 0.0;
     int i, j;
     for (i = 0; i < n; i++) {
         rest += bound[i] * magnitude(z[i]);
+        for (j = 0; j < KEPT; j++) {
+            c[j] += checks[i * KEPT + j] * z[i];
+        }
     }
     for (j = 1; j < KEPT; j++) {
-        rest += magnitude(dot(checks + j * n, z, n));
+        rest += magnitude(c[j]);
     }
-    return dot(checks, z, n) > rest;
+    return c[0] > rest;
 }
 
 static int none_falls(const jounce_run *run, const Places *p, int step) {
@@ -213,12 +218,18 @@ static double first_of(const jounce_run *run, const Places *p, double end, int *
 
 static void move_whole(const jounce_run *run, const Places *p, int step) {
     const double *matrix = matrix_of(p, run->mode, step);
-    int i;
+    double *after = p->series;
+    int i, j;
     for (i = 0; i < p->moving; i++) {
-        p->series[i] = dot(matrix + i * p->n, run->z, p->n);
+        after[i] = 0.0;
+    }
+    for (j = 0; j < p->n; j++) {
+        for (i = 0; i < p->moving; i++) {
+            after[i] += matrix[j * p->moving + i] * run->z[j];
+        }
     }
     for (i = 0; i < p->moving; i++) {
-        run->z[i] = p->series[i];
+        run->z[i] = after[i];
     }
 }
 

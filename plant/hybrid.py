@@ -122,7 +122,9 @@ class _Builder:
             for k in range(loop.fed.shape[1]):
                 self.rates[:n] += np.outer(loop.fed[:, k], layout.commanded(k))
             self.asked = self.over_states(loop.asked)
-            self.asked[layout.levels + 2] += friction_ahead
+            sign = layout.level("sign")
+            if sign is not None:
+                self.asked[sign] += friction_ahead
             self.integrated = self.over_states(loop.integrated)
         for k, push in enumerate(pushes):
             self.rates[: len(disturbed)] += np.outer(disturbed[:, k], push)

@@ -11,13 +11,13 @@ import numpy as np
 from ..shaping import Trajectory
 from ..shaping.pieces import FloatArray
 from .axis import Axis
-from .commands import Command, Ramp, Sine, Sum, breaks_of, derivatives_of
+from .commands import Command, Sine, Sum, breaks_of, derivatives_of
 from .disturbances import Disturbance, TorqueSine
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """States of loop, sines and command's chain, then what is held: the chain's end, levels, u, 1.
+    """States of loop, sines and command's chain; then held ones, the chain's end, levels, u and 1.
 
     Attributes
     ----------
@@ -30,6 +30,11 @@ class Layout:
         The rest of the command.
     order : int
         Of its chain of derivatives; −1 without.
+    set : tuple of str
+        What else is set at times: "motor" and "load", the torques held on them, and "sign", that
+        of the command's rate.
+    digital : bool
+        Whether a controller's torque is held.
     """
 
     loop: int
@@ -37,6 +42,8 @@ class Layout:
     sines: tuple[Sine, ...] = ()
     polynomial: Sum | None = None
     order: int = -1
+    set: tuple[str, ...] = ()
+    digital: bool = False
 
     @property
     def oscillators(self) -> list[TorqueSine | Sine]:
@@ -55,23 +62,27 @@ class Layout:
 
     @property
     def levels(self) -> int:
-        """Place of the held torques on motor and load, and of the sign of the command's rate."""
+        """Place of the first signal that is held and set at times."""
         return self.chain + self.order + 1
+
+    def level(self, signal: str) -> int | None:
+        """Return the place of a held signal; None where it is always 0."""
+        return self.levels + self.set.index(signal) if signal in self.set else None
 
     @property
     def held(self) -> int:
-        """Place of a digital controller's torque."""
-        return self.levels + 3
+        """Place of a digital controller's torque; then, or there, comes what is always 1."""
+        return self.levels + len(self.set)
 
     @property
     def one(self) -> int:
         """Place of the state that is always 1."""
-        return self.levels + 4
+        return self.held + self.digital
 
     @property
     def size(self) -> int:
         """Number of states."""
-        return self.levels + 5
+        return self.one + 1
 
     def row(self, values: FloatArray | None = None) -> FloatArray:
         """Return a row of zeros, or of values of the loop's first states."""
@@ -88,7 +99,9 @@ class Layout:
 
     def disturbing(self, on: str, constant: float) -> FloatArray:
         """Return the row of the torque that disturbs motor or load."""
-        row = self.unit(self.levels + (on == "load")) + constant * self.unit(self.one)
+        row, place = constant * self.unit(self.one), self.level(on)
+        if place is not None:
+            row[place] = 1.0
         for i, sine in enumerate(self.oscillators):
             if isinstance(sine, TorqueSine) and sine.on == on:
                 row[self.loop + 2 * i] = sine.amplitude
@@ -123,11 +136,8 @@ class Layout:
         z[self.one] = 1.0
         return z
 
-    def settings(self, start: float, duration: float, signs: bool) -> tuple[FloatArray, FloatArray]:
-        """Return times and what is set then from the chain on, NaN for what stays.
-
-        With `signs` the sign of the command's rate, too.
-        """
+    def settings(self, start: float, duration: float) -> tuple[FloatArray, FloatArray]:
+        """Return times and what is set then from the chain on, NaN for what stays."""
         width = self.held - self.chain
         rows: dict[float, FloatArray] = {}
 
@@ -140,15 +150,18 @@ class Layout:
             values = derivatives_of(self.polynomial, start + times, self.order).T
             for time, value in zip(times, values, strict=True):
                 at(float(time))[: self.order + 1] = value
-        if signs:
-            for time, sign in _signs(self.whole, start, duration):
-                at(time)[-1] = sign
-        for on, place in (("motor", width - 3), ("load", width - 2)):
-            for time, level in _levels(self.disturbances, on):
+        for signal in self.set:
+            place = (self.level(signal) or 0) - self.chain
+            for time, value in self._changes(signal, start, duration):
                 if time < duration:
-                    at(max(time, 0.0))[place] = level
+                    at(max(time, 0.0))[place] = value
         times = np.array(sorted(rows))
-        return times, np.array([rows[time] for time in times]).reshape(-1, width)
+        return times, np.array([rows[time] for time in times]).reshape(len(times), width)
+
+    def _changes(self, signal: str, start: float, duration: float) -> list[tuple[float, float]]:
+        if signal == "sign":
+            return _signs(self.whole, start, duration)
+        return _levels(self.disturbances, signal)
 
     @property
     def whole(self) -> Sum:
@@ -158,18 +171,24 @@ class Layout:
 
 
 def layout_of(
-    axis_states: int, disturbances: tuple[Disturbance, ...], command: Command | None
+    states: int, disturbances: tuple[Disturbance, ...], command: Command | None, *, signed: bool
 ) -> Layout:
-    """Return the layout of a loop; without a command a digital one's."""
+    """Return the layout of a loop; without a command a digital one's.
+
+    `signed` for a continuous one that takes the sign of the command's rate.
+    """
+    held = {d.on for d in disturbances if not isinstance(d, TorqueSine)}
+    signals: tuple[str, ...] = tuple(on for on in ("motor", "load") if on in held)
     if command is None:
-        return Layout(axis_states, disturbances)
+        return Layout(states, disturbances, set=signals, digital=True)
+    signals += ("sign",) * signed
     parts = command.parts if isinstance(command, Sum) else (command,)
     sines = tuple(part for part in parts if isinstance(part, Sine))
     rest = tuple(part for part in parts if not isinstance(part, Sine))
     if not rest:
-        return Layout(axis_states, disturbances, sines)
+        return Layout(states, disturbances, sines, set=signals)
     order = max(part.order if isinstance(part, Trajectory) else 1 for part in rest)
-    return Layout(axis_states, disturbances, sines, Sum(rest), order)
+    return Layout(states, disturbances, sines, Sum(rest), order, signals)
 
 
 def _levels(disturbances: tuple[Disturbance, ...], on: str) -> list[tuple[float, float]]:
@@ -225,11 +244,6 @@ def start_of(command: Command) -> tuple[float, float]:
     """Return the time at which a command begins, and where it is then."""
     time = command.start_time if isinstance(command, Trajectory) else 0.0
     return time, float(derivatives_of(command, np.array([time]), 0)[0, 0])
-
-
-def is_steady(command: Command) -> bool:
-    """Tell whether a command never ends."""
-    return isinstance(command, Ramp | Sine | Sum)
 
 
 def at_rest(axis: Axis, position: float) -> tuple[FloatArray, float]:

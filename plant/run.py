@@ -151,13 +151,10 @@ class Run:
         modes, states = self.at(times[:-1])
         rows = np.empty((TERMS, len(times) - 1))
         for mode in np.unique(modes):
-            some = np.flatnonzero(modes == mode)
-            term = states[some].T
-            for k in range(TERMS):
-                rows[k, some] = row @ term
-                after = np.zeros_like(term)
-                after[: self.layout.moving] = self.hybrid.rates[mode] @ term
-                term = after
+            some, terms = np.flatnonzero(modes == mode), [row]
+            for _ in range(TERMS - 1):
+                terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
+            rows[:, some] = np.array(terms) @ states[some].T
         if command:
             at = on_breaks(self.scene.command, self.scene.begin + times[:-1])
             rows += command * derivatives_of(self.scene.command, at, TERMS - 1)
@@ -273,7 +270,12 @@ def simulate(scene: Scene) -> Run:
     axis, controller = scene.axis, scene.controller
     loop = None if scene.is_digital else open_loop(axis, controller, scene.feedforward)
     states = axis.dynamics.size if loop is None else len(loop.a)
-    layout = layout_of(states, scene.disturbances, None if scene.is_digital else scene.command)
+    layout = layout_of(
+        states,
+        scene.disturbances,
+        None if scene.is_digital else scene.command,
+        signed=loop is not None and scene.feedforward.friction > 0.0,
+    )
     hybrid = hybrid_of(axis, controller, layout, loop, scene.feedforward.friction)
     rest, holding = at_rest(axis, scene.start)
     initial = np.append(rest, np.zeros(states - len(rest)))
@@ -285,9 +287,7 @@ def simulate(scene: Scene) -> Run:
     if scene.is_digital:
         z[layout.held], memory[1] = holding, preload
         _preload_filters(controller, memory, holding)
-    times, values = layout.settings(
-        scene.begin, scene.duration, loop is not None and scene.feedforward.friction > 0.0
-    )
+    times, values = layout.settings(scene.begin, scene.duration)
     commands, ahead = _sampled_command(scene)
     samples = np.zeros((len(commands), 3))
     numbers, tuned, sections = _numbers(scene, layout, hybrid, len(commands), len(times))
@@ -425,8 +425,6 @@ def response_of(scene: Scene, dt: float | None, times: Any) -> LoopResponse:
     torque, behind = run.hybrid.torque[modes], run.torque_rows[modes]
     outputs = [position, inputs[0] - position, (states * torque).sum(axis=1)]
     outputs += [load, states @ twist, (states * behind).sum(axis=1)]
-    response = LoopResponse(
-        grid_times, inputs, np.array(outputs), np.ascontiguousarray(states.T), scene=scene
-    )
+    response = LoopResponse(grid_times, inputs, np.array(outputs), states.T, scene=scene)
     vars(response)["run"] = run  # what was simulated is kept
     return response
