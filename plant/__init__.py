@@ -17,6 +17,7 @@ from .friction import Friction
 from .inertia import Inertia
 from .inverse import inverse_feedforward, low_frequency_feedforward
 from .loop_response import LoopResponse
+from .many import respond_all
 from .pid import PID, design_pid, printed_pid
 from .respond import respond
 from .sampled import zero_order_hold
@@ -57,6 +58,7 @@ __all__ = [
     "low_frequency_feedforward",
     "printed_pid",
     "respond",
+    "respond_all",
     "system_axis",
     "zero_order_hold",
 ]
