@@ -1903,7 +1903,7 @@ static PyObject *run_loop(PyObject *module, PyObject *const *args, Py_ssize_t gi
                    ? PyErr_NoMemory()
                    : segments_of(PyModule_GetState(module), &run, l.automaton.states + 2);
     if (segments != NULL) {
-        result = Py_BuildValue("(Oii)", segments, run.mode, (int)status);
+        result = Py_BuildValue("(Oi)", segments, (int)status);
         Py_DECREF(segments);
     }
     free(run.segments);
@@ -1956,8 +1956,8 @@ static PyMethodDef functions[] = {
      "numbers of pieces (N,) int8 are put in place."},
     {"run_loop", FAST(run_loop), METH_FASTCALL,
      "run_loop(numbers, controller, *arrays)\n--\n\nRun a servo loop; return its segments (time, "
-     "mode and state in a row), the last mode and the status. The last state, the controller's and "
-     "(e, w, u) of the samples are put in place."},
+     "mode and state in a row, the last at the end) and the status. The last state, the controller's "
+     "and (e, w, u) of the samples are put in place."},
     {"fmi2_logger", fmi2_logger, METH_O,
      "fmi2_logger(strays)\n--\n\nReturn the address of a logger for FMUs of FMI 2.0, which fills "
      "in the arguments of a message and calls note(status, category, text) of the environment "

@@ -231,7 +231,8 @@ enum { JOUNCE_TERMS = 25 }; /* of a Taylor series; ||rates|| times a step is at 
     ((modes) * (2 * (moving) * (n) + (guards) * (n) * (14 + JOUNCE_TERMS)) + \
      (JOUNCE_TERMS + 2) * (n) + (moving) * (n) * 2 + 2 * JOUNCE_TERMS)
 
-/* A run of it: `segments` receives a row of time, mode and z at the start of every step. */
+/* A run of it: `segments` receives a row of time, mode and z at the start of every step, and the
+ * last at the end. */
 typedef struct {
     const jounce_automaton *automaton;
     double steps[2];
@@ -243,6 +244,9 @@ typedef struct {
 } jounce_run;
 
 void jounce_prepare(jounce_run *run);
+
+/* Put down time, mode and z; JOUNCE_FULL without room for them. */
+jounce_status jounce_record(jounce_run *run, double t);
 
 /* Go on from time t for `span`. JOUNCE_FULL without room for segments, JOUNCE_CHATTER where modes
  * change for ever at one instant. */

@@ -85,5 +85,5 @@ jounce_status jounce_run_loop(const jounce_loop *loop, jounce_run *run, double *
         t = until;
     }
     do_what_is_due(loop, run, t, &next, state, out);
-    return JOUNCE_OK;
+    return jounce_record(run, loop->duration);
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -45,22 +46,22 @@ class Layout:
     set: tuple[str, ...] = ()
     digital: bool = False
 
-    @property
+    @cached_property
     def oscillators(self) -> list[TorqueSine | Sine]:
         """All sines, two states each."""
         return [d for d in self.disturbances if isinstance(d, TorqueSine)] + list(self.sines)
 
-    @property
+    @cached_property
     def chain(self) -> int:
         """Place of the command's polynomial part, its derivatives after it."""
         return self.loop + 2 * len(self.oscillators)
 
-    @property
+    @cached_property
     def moving(self) -> int:
         """How many states move."""
         return self.chain + max(self.order, 0)
 
-    @property
+    @cached_property
     def levels(self) -> int:
         """Place of the first signal that is held and set at times."""
         return self.chain + self.order + 1
@@ -69,17 +70,17 @@ class Layout:
         """Return the place of a held signal; None where it is always 0."""
         return self.levels + self.set.index(signal) if signal in self.set else None
 
-    @property
+    @cached_property
     def held(self) -> int:
         """Place of a digital controller's torque; then, or there, comes what is always 1."""
         return self.levels + len(self.set)
 
-    @property
+    @cached_property
     def one(self) -> int:
         """Place of the state that is always 1."""
         return self.held + self.digital
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of states."""
         return self.one + 1

@@ -295,7 +295,7 @@ def simulate(scene: Scene) -> Run:
     seen = d.motor if axis.sensor == "motor" else d.load
     moved = d.load if axis.sensor == "load" else d.motor
     highest = int(tuned[3])
-    segments, mode, status = core.run_loop(
+    segments, status = core.run_loop(
         numbers,
         tuned,
         *map(np.ascontiguousarray, (hybrid.rates, hybrid.rows, hybrid.next)),
@@ -319,9 +319,9 @@ def simulate(scene: Scene) -> Run:
         scene,
         hybrid,
         layout,
-        np.append(segments[:, 0], scene.duration),
-        np.append(segments[:, 1], mode).astype(int),
-        np.vstack([segments[:, 2:], z]),
+        segments[:, 0],
+        segments[:, 1].astype(int),
+        segments[:, 2:],
         samples,
     )
 
@@ -422,9 +422,16 @@ def response_of(scene: Scene, dt: float | None, times: Any) -> LoopResponse:
     d = scene.axis.dynamics
     twist = run.layout.row(d.load - d.motor)
     position, load = states @ run.seen_row, states @ run.load_row
-    torque, behind = run.hybrid.torque[modes], run.torque_rows[modes]
-    outputs = [position, inputs[0] - position, (states * torque).sum(axis=1)]
-    outputs += [load, states @ twist, (states * behind).sum(axis=1)]
+    torque = _by_mode(run.hybrid.torque, modes, states)
+    outputs = [position, inputs[0] - position, torque]
+    outputs += [load, states @ twist, _by_mode(run.torque_rows, modes, states)]
     response = LoopResponse(grid_times, inputs, np.array(outputs), states.T, scene=scene)
     vars(response)["run"] = run  # what was simulated is kept
     return response
+
+
+def _by_mode(rows: FloatArray, modes: Any, states: FloatArray) -> FloatArray:
+    """Return what rows, one a mode, make of states."""
+    if (rows == rows[0]).all():
+        return np.asarray(states @ rows[0])
+    return np.asarray((states * rows[modes]).sum(axis=1))
