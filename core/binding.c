@@ -1699,7 +1699,7 @@ static PyType_Spec follower_spec = {
 
 /* --- servo loops (loop.c) ------------------------------------------------------------------------ */
 
-enum { LOOP_NUMBERS = 14, CONTROLLER_NUMBERS = 16, LOOP_ARRAYS = 18, MOST_SEGMENTS = 50000000 };
+enum { LOOP_NUMBERS = 14, CONTROLLER_NUMBERS = 16, LOOP_ARRAYS = 18, MOST_SEGMENTS = 2000000 };
 
 /* What run_loop is given, as the core takes it. */
 typedef struct {

@@ -16,9 +16,15 @@ from .controller import Controller
 from .layout import Layout
 from .open_loop import OpenLoop
 
+_ON_LIMIT = 1e-9  # of the limit: a torque further away has jumped
+
 
 class Mode(NamedTuple):
-    """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1)."""
+    """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1).
+
+    Integral 2: it goes on just so fast that the torque asked for stays on the limit, where
+    integrating would drive it beyond and holding the integral back inside.
+    """
 
     friction: int = 0
     limit: int = 0
@@ -72,6 +78,8 @@ def hybrid_of(
     for i, mode in enumerate(kinds):
         if axis.friction is not None and mode.friction == 0:
             onto[i], along[i] = builder.stopping()
+        elif mode.integral == 2:
+            onto[i], along[i] = builder.on_the_limit(mode)
     return Hybrid(
         kinds,
         np.array([part.rates for part in parts]),
@@ -147,7 +155,7 @@ class _Builder:
             integrals = (0, 1, -1)
         kinds = [Mode(*kind) for kind in product(frictions, limits, integrals)]
         if limited and self.controller.anti_windup == "conditional":
-            kinds += [Mode(f, s, 1) for f in frictions for s in (1, -1)]
+            kinds += [Mode(f, s, i) for f in frictions for s in (1, -1) for i in (1, 2)]
         return tuple(kinds)
 
     def mode(self, mode: Mode) -> _Part:
@@ -170,9 +178,13 @@ class _Builder:
             return []
         limit = self.axis.torque_limit * one
         inside = 0 if self.controller.anti_windup == "conditional" else mode.integral
-        if mode.limit:
+        if mode.limit and mode.integral != 2:
             back = mode._replace(limit=0, integral=inside)
+            if mode.integral == 1 and self.controller.anti_windup == "conditional":
+                back = mode._replace(integral=2)
             return [(mode.limit * self.asked - limit, back)]
+        if mode.limit:
+            return []
         return [
             (limit - sign * self.asked, mode._replace(limit=sign, integral=inside))
             for sign in (1, -1)
@@ -192,10 +204,36 @@ class _Builder:
         if way != "conditional" or not mode.limit:
             return []
         outward = mode.limit * np.sign(ki or 1.0) * self.integrated
-        if mode.integral:
-            rates[place] = 0.0
+        if not mode.integral:
+            return [(-outward, mode._replace(integral=1))]
+        rates[place] = 0.0
+        if mode.integral == 1:
             return [(outward, mode._replace(integral=0))]
-        return [(-outward, mode._replace(integral=1))]
+        return self.along_the_limit(mode, rates, one)
+
+    def along_the_limit(
+        self, mode: Mode, rates: FloatArray, one: FloatArray
+    ) -> list[tuple[FloatArray, Mode]]:
+        """Let the integral keep the torque on the limit; return guards of when that is over."""
+        assert self.loop is not None
+        ki, moving = self.integral_gain, self.layout.moving
+        drift = self.asked[:moving] @ rates
+        rates[self.loop.integral] = -drift / ki
+        beyond = mode.limit * self.asked - self.axis.torque_limit * one
+        slack = _ON_LIMIT * self.axis.torque_limit * one
+        inside, held = mode._replace(limit=0, integral=0), mode._replace(integral=1)
+        return [
+            (mode.limit * (drift + ki * self.integrated), inside),
+            (-mode.limit * drift, held),
+            (slack + beyond, inside),
+            (slack - beyond, held),
+        ]
+
+    def on_the_limit(self, mode: Mode) -> tuple[FloatArray, FloatArray]:
+        """Return what brings the torque exactly to its limit, by the integral, and its row."""
+        assert self.loop is not None
+        limit = mode.limit * self.axis.torque_limit * self.layout.unit(self.layout.one)
+        return self.layout.unit(self.loop.integral) / self.integral_gain, limit - self.asked
 
     def clamped(
         self, mode: Mode, rates: FloatArray, most: FloatArray

@@ -310,6 +310,33 @@ def test_a_continuous_limit_is_what_a_fine_integration_finds(way):
     assert np.abs(response.torque).max() == limit
 
 
+@pytest.mark.parametrize("ki", [150.0, 600.0])
+def test_conditional_integration_may_stay_on_the_limit(ki):
+    """With the larger ki integrating would leave the limit and holding come back: it slides."""
+    limit, step = 6.0, 2e-5
+    controller = Controller(PID(100.0, ki, 25.0), anti_windup="conditional")
+    axis = Axis(2.0, viscous=0.5, torque_limit=limit)
+    loop = ServoLoop(axis, controller, Feedforward({2: 2.0}))
+    response = loop.respond(MOVE, 0.1, duration=1.5)
+    times = step * np.arange(75001)
+    r, v_r, a_r = MOVE.evaluate(times, 2).tolist()
+    y = v = integral = 0.0
+    found = []
+    for k in range(75001):
+        if k % 5000 == 0:
+            found.append(y)
+        e = r[k] - y
+        w = 100.0 * e + ki * integral + 25.0 * (v_r[k] - v) + 2.0 * a_r[k]
+        u = min(max(w, -limit), limit)
+        if u == w or w * e <= 0.0:
+            integral += step * e
+        v += step * (u - 0.5 * v) / 2.0
+        y += step * v
+    np.testing.assert_allclose(response.position, found, atol=2e-4)
+    kinds = {response.run.hybrid.modes[mode].integral for mode in response.run.modes}
+    assert (2 in kinds) == (ki == 600.0)
+
+
 def test_disturbances_add_up():
     axis = Axis(2.0, modes=FlexibleMode(9.0, 0.02, load_fraction=0.4), viscous=1.0)
     loop = ServoLoop(axis, PID(800.0, 2000.0, 60.0))
