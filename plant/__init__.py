@@ -19,6 +19,7 @@ from .inverse import inverse_feedforward, low_frequency_feedforward
 from .loop_response import LoopResponse
 from .many import respond_all
 from .pid import PID, design_pid, printed_pid
+from .realisation import wind_realisation
 from .respond import respond
 from .sampled import zero_order_hold
 from .servo_loop import ServoLoop
@@ -60,6 +61,7 @@ __all__ = [
     "respond",
     "respond_all",
     "system_axis",
+    "wind_realisation",
     "zero_order_hold",
 ]
 

@@ -108,7 +108,10 @@ def _tustin(element: Filter, dt: float) -> FloatArray:
 
 
 def _general(element: Element, dt: float, discretisation: Discretisation) -> list[FloatArray]:
-    """Return sections of any system, from its zeros and poles."""
+    """Return sections of any system, from its zeros and poles.
+
+    scipy puts zeros at 0 where some are missing, each of which is a sample too early.
+    """
     from scipy.signal import cont2discrete, zpk2sos
 
     system = filter_system_of(element)
@@ -124,7 +127,8 @@ def _general(element: Element, dt: float, discretisation: Discretisation) -> lis
 
         zeros, poles, gain = _zpk(control.ss(*held, dt))
     rows = np.asarray(zpk2sos(zeros, poles, gain))
-    return [np.array([*row[:3], *row[4:]]) / row[3] for row in rows]
+    delays = [np.array([0.0, 1.0, 0.0, 0.0, 0.0])] * (len(poles) - len(zeros))
+    return [np.array([*row[:3], *row[4:]]) / row[3] for row in rows] + delays
 
 
 def _zpk(system: control.StateSpace) -> tuple[Any, Any, float]:
@@ -137,10 +141,10 @@ def _zpk(system: control.StateSpace) -> tuple[Any, Any, float]:
 
 
 def _matched(system: control.StateSpace, dt: float) -> tuple[Any, Any, float]:
-    """Return z = e^(sT) of zeros and poles, the missing zeros at −1 but one, the gain at DC."""
+    """Return z = e^(sT) of zeros and poles, the missing zeros at −1, the gain at DC."""
     zeros, poles = np.asarray(system.zeros()), np.asarray(system.poles())
     zeros = zeros[np.isfinite(zeros)]
-    missing = max(len(poles) - len(zeros) - 1, 0)
+    missing = len(poles) - len(zeros)
     after = np.append(np.exp(zeros * dt), -np.ones(missing))
     at_poles = np.exp(poles * dt)
     still = complex(system(0.0))

@@ -230,7 +230,7 @@ def rate_zeros(command: Command, start: float, duration: float) -> FloatArray:
                 lambda t: float(derivatives_of(command, np.array([start + t]), 1)[1, 0]),
                 *(inside[i], inside[i + 1]),
                 xtol=1e-16 * max(duration, 1.0),
-                rtol=4.5e-16,
+                rtol=9e-16,
             )
             found.append(np.array([root]))
     return np.unique(np.concatenate(found))
