@@ -57,7 +57,7 @@ def respond_all(
     ...     loops, Ramp(0.0, 1.0), 0.1, duration=9.0, start=0.0, figures=lambda r: abs(r.error[-1])
     ... )
     >>> [round(float(error), 4) for error in errors]
-    [0.0011, 0.0]
+    [0.0014, 0.0001]
     """
     count = whole("workers", workers or os.cpu_count() or 1, 1, MOST_WORKERS)
     run = partial(_figures_of, command=command, dt=dt, figures=figures, others=others)
