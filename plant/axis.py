@@ -109,8 +109,8 @@ class Axis(Frozen):
         self._check_drive()
         if self.friction is not None and not self._friction_moves():
             raise ValueError(
-                "friction on a motor without mass of its own: give the axis more than two poles "
-                "less than zeros no more than two, or leave the friction out"
+                "friction acts on a mass: give a system with exactly two poles more than zeros (a "
+                "current loop belongs into current_lag), or leave the friction out"
             )
 
     def _check_drive(self) -> None:

@@ -29,7 +29,7 @@ from .open_loop import open_loop
 TERMS = 25
 """Of the Taylor series between the times that a run keeps: ‖A‖·h ≤ 2 there."""
 
-_ON_BREAK = 1e-12  # a sample this near to a break, relative to its time, has the value after it
+_SAME = 1e-13  # times this near to one another, relative to the longest, are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,11 +104,12 @@ class Run:
 
     def at(self, times: FloatArray) -> tuple[Any, FloatArray]:
         """Return the modes and states (N, n) at times from 0 on; at an event those after it."""
-        index = np.searchsorted(self.times, times + _ON_BREAK, side="right") - 1
+        slack = _SAME * self.times[-1]
+        index = np.searchsorted(self.times, times + slack, side="right") - 1
         index = np.clip(index, 0, len(self.times) - 1)
         modes, states = self.modes[index], self.states[index].copy()
         ahead = times - self.times[index]
-        self._advance(states, modes, np.where(ahead > _ON_BREAK, ahead, 0.0))
+        self._advance(states, modes, np.where(ahead > slack, ahead, 0.0))
         return modes, states
 
     def _advance(self, states: FloatArray, modes: Any, ahead: FloatArray) -> None:
@@ -260,7 +261,7 @@ def on_breaks(command: Command, times: FloatArray) -> FloatArray:
     breaks = breaks_of(command)
     nearest = breaks[np.clip(np.searchsorted(breaks, times), 0, len(breaks) - 1)]
     before = breaks[np.clip(np.searchsorted(breaks, times) - 1, 0, len(breaks) - 1)]
-    slack = _ON_BREAK * np.maximum(np.abs(times), 1e-3)
+    slack = 10.0 * _SAME * max(float(np.abs(times).max(initial=0.0)), abs(float(breaks[-1])))
     times = np.where(np.abs(times - nearest) <= slack, nearest, times)
     return np.asarray(np.where(np.abs(times - before) <= slack, before, times))
 

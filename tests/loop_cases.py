@@ -79,12 +79,12 @@ def axis_of(parameters):
 
 def chain_numbers(plant):
     """Return masses, springs and dampers, whatever the units in their names."""
-    named = [
-        next(value for name, value in plant.items() if name.startswith(start))
-        for start in (("masses", "inertias"), ("springs", "stiffness"))
-    ]
-    dampers = [v for n, v in plant.items() if n.startswith(("dampers", "damping"))]
-    return *named, (dampers or [None])[0]
+
+    def named(*starts):
+        return next((v for n, v in plant.items() if n.startswith(starts)), None)
+
+    masses, springs = named("mass", "inertia", "J_", "m_"), named("spring", "stiff", "k_")
+    return masses, springs, named("damp", "c_")
 
 
 def controller_of(p):

@@ -243,6 +243,22 @@ def test_an_integral_breaks_the_axis_away_where_it_reaches_the_static_friction(s
     assert after[1] > 0.0
 
 
+@pytest.mark.parametrize("above", [1e-2, 1e-5, 1e-8])
+def test_a_push_above_the_static_friction_for_a_moment_is_not_missed(above):
+    """A load that swings on the stuck motor pushes d·(1 − cos ω_a·t), at most 2d."""
+    static, share, hz = 3.0, 0.4, 5.0
+    d = 0.5 * static * (1.0 + above)
+    mode = FlexibleMode(hz, load_fraction=share, held=True)
+    loop = ServoLoop(Axis(2.0, modes=mode, friction=Friction(static)), IDLE)
+    push = TorqueSteps([0.0], [d], on="load")
+    response = loop.respond(STILL, 0.1, duration=0.15, disturbance=push)
+    [first, second] = response.friction_events[:2]
+    # the more exactly, the less steeply the push goes through the static friction
+    found = np.arccos(1.0 - static / d) / (2 * pi * hz)
+    assert first == (pytest.approx(found, abs=1e-15 / np.sqrt(above)), 0, 1)
+    assert second[1:] == (1, 0)
+
+
 def test_stuck_for_long_is_foretold():
     loop = ServoLoop(
         Axis(2.0, friction=Friction(3.0, 4.5)),
