@@ -339,6 +339,7 @@ def test_the_trajectory_behind_sampled_commands_goes_through_all_samples(order):
     assert whole.violation(limits) < 1e-9
     assert whole.lowest_jump() == 2  # the acceleration, at the end at the latest
     for k in range(order):
-        np.testing.assert_allclose(whole(response.time, k), response.states[k], atol=1e-12)
+        found = whole(response.time[:-1], k)
+        np.testing.assert_allclose(found, response.states[k, :-1], atol=1e-12)
     with pytest.raises(ValueError, match="use run"):
         CommandFollower(limits, dt=0.05, period=1.0).trajectory(commands)
