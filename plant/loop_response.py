@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ..shaping.checks import finite, one_of, positive
+from ..shaping.drawing import draw
 from ..shaping.pieces import FloatArray
 
 if TYPE_CHECKING:
@@ -101,6 +102,23 @@ class LoopResponse:
         if axis.torque_constant is None:
             raise ValueError("an axis without torque_constant tells no current: give it one")
         return self.motor_torque / (axis.gear_ratio * axis.torque_constant)
+
+    def plot(self, *, unit: str = "", torque_unit: str = "", scale: float = 1.0) -> Any:
+        """Draw a picture: positions, errors, and torque beside its limit.
+
+        Parameters
+        ----------
+        unit, torque_unit : str, optional
+            For the labels.
+        scale : float, optional
+            The response's units of position per `unit`, positive.
+
+        Returns
+        -------
+        Figure
+            As `jounce.plots.plot_loop_response` draws it.
+        """
+        return draw(self, unit=unit, torque_unit=torque_unit, scale=scale)
 
     @cached_property
     def run(self) -> Run:

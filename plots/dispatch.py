@@ -20,11 +20,13 @@ from ..analysis.frequency_view import (
 from ..analysis.margins import ManyMargins
 from ..analysis.survey import Survey
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
+from ..plant import LoopResponse
 from ..shaping import FollowerResponse, Trajectory
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation
 from .describing import plot_describing_function, plot_describing_gain, plot_periodic_response
 from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
+from .loop_response import plot_loop_response
 from .margins import plot_margin_contours
 from .motions import plot_following, plot_trajectory
 from .survey import plot_survey
@@ -83,6 +85,7 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
+    LoopResponse: plot_loop_response,
     Survey: plot_survey,
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,
