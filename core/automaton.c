@@ -253,14 +253,14 @@ static void move_part(const jounce_run *run, const Places *p, double h) {
     }
 }
 
-static void enter(jounce_run *run, int mode) {
+static void pass(jounce_run *run, int guard) {
     const jounce_automaton *a = run->automaton;
-    int i, n = a->states;
-    double along = dot(a->along + mode * n, run->z, n);
+    int i, n = a->states, which = run->mode * a->guards + guard;
+    double along = dot(a->along + which * n, run->z, n);
     for (i = 0; i < n; i++) {
-        run->z[i] += a->onto[mode * n + i] * along;
+        run->z[i] += a->onto[which * n + i] * along;
     }
-    run->mode = mode;
+    run->mode = (int)a->next[which];
 }
 
 jounce_status jounce_record(jounce_run *run, double t) {
@@ -299,7 +299,7 @@ static double advance_once(jounce_run *run, const Places *p, double h, int step)
     if (fall > 0.0) {
         move_part(run, p, h);
     }
-    enter(run, (int)run->automaton->next[run->mode * p->guards + guard]);
+    pass(run, guard);
     return fall > 0.0 ? h : 0.0;
 }
 

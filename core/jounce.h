@@ -214,14 +214,14 @@ void jounce_controller_sample(const jounce_controller *controller, double *state
 /* --- piecewise linear systems, exact from event to event (automaton.c) ---------------------------- */
 
 /* z' = rates z in each mode, for as long as every guard's row z is positive; when it has fallen to 0
- * the system is in another mode. On entering a mode z += onto (along z). */
+ * the system is in another mode, and z += onto (along z). */
 typedef struct {
     int states, moving; /* n; only the first `moving` of them change, the others are held */
     int modes, guards;
     const double *rates;        /* modes x moving x n */
     const double *rows;         /* modes x guards x n */
     const double *next;         /* modes x guards: the mode beyond a guard, -1 for no guard */
-    const double *onto, *along; /* modes x n */
+    const double *onto, *along; /* modes x guards x n */
 } jounce_automaton;
 
 enum { JOUNCE_TERMS = 25 }; /* of a Taylor series; ||rates|| times a step is at most 2 */

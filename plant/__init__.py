@@ -21,6 +21,7 @@ from .many import respond_all
 from .pid import PID, design_pid, printed_pid
 from .realisation import wind_realisation
 from .respond import respond
+from .ripple import Ripple
 from .sampled import zero_order_hold
 from .servo_loop import ServoLoop
 
@@ -43,6 +44,7 @@ __all__ = [
     "LowPass",
     "Notch",
     "Ramp",
+    "Ripple",
     "SampledTorque",
     "Sensitivity",
     "ServoLoop",

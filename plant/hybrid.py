@@ -15,6 +15,7 @@ from .axis import Axis
 from .controller import Controller
 from .layout import Layout
 from .open_loop import OpenLoop
+from .ripple import PIECES
 
 _ON_LIMIT = 1e-9  # of the limit: a torque further away has jumped
 
@@ -22,13 +23,15 @@ _ON_LIMIT = 1e-9  # of the limit: a torque further away has jumped
 class Mode(NamedTuple):
     """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1).
 
-    Integral 2: it goes on just so fast that the torque asked for stays on the limit, where
-    integrating would drive it beyond and holding the integral back inside.
+    Ripple counts the straight pieces of a period. Integral 2: it goes on just so fast that the
+    torque asked for stays on the limit, where integrating would drive it beyond and holding the
+    integral back inside.
     """
 
     friction: int = 0
     limit: int = 0
     integral: int = 0
+    ripple: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +45,8 @@ class Hybrid:
     rows : (modes, guards, n) array
     next : (modes, guards) array
         −1 where there is no guard.
-    onto, along : (modes, n) arrays
-        On entering a mode z ← z + onto·(along·z).
+    onto, along : (modes, guards, n) arrays
+        On the way to the next mode z ← z + onto·(along·z).
     torque : (modes, n) array
         Rows of the command u.
     pushing : (n,) array
@@ -71,15 +74,11 @@ def hybrid_of(
     most = max(len(part.guards) for part in parts)
     n, count = layout.size, len(kinds)
     rows, beyond = np.zeros((count, most, n)), np.full((count, most), -1.0)
+    onto, along = np.zeros((count, most, n)), np.zeros((count, most, n))
     for i, part in enumerate(parts):
-        for j, (row, target) in enumerate(part.guards):
-            rows[i, j], beyond[i, j] = row, number[target]
-    onto, along = np.zeros((count, n)), np.zeros((count, n))
-    for i, mode in enumerate(kinds):
-        if axis.friction is not None and mode.friction == 0:
-            onto[i], along[i] = builder.stopping()
-        elif mode.integral == 2:
-            onto[i], along[i] = builder.on_the_limit(mode)
+        for j, guard in enumerate(part.guards):
+            rows[i, j], beyond[i, j] = guard.row, number[guard.target]
+            onto[i, j], along[i, j] = guard.onto, guard.along
     return Hybrid(
         kinds,
         np.array([part.rates for part in parts]),
@@ -92,9 +91,18 @@ def hybrid_of(
     )
 
 
+class _Guard(NamedTuple):
+    """A row that stays positive, the mode beyond, and what changes at once on the way there."""
+
+    row: FloatArray
+    target: Mode
+    onto: FloatArray | float = 0.0
+    along: FloatArray | float = 0.0
+
+
 class _Part(NamedTuple):
     rates: FloatArray
-    guards: list[tuple[FloatArray, Mode]]
+    guards: list[_Guard]
     torque: FloatArray
     pushing: FloatArray
 
@@ -150,12 +158,13 @@ class _Builder:
         frictions = (0,) if self.axis.friction is None else (0, 1, -1)
         limited = self.loop is not None and self.axis.torque_limit < inf
         limits = (0, 1, -1) if limited else (0,)
+        pieces = range(PIECES if self.axis.ripple else 1)
         integrals: tuple[int, ...] = (0,)
         if self.loop is not None and isinstance(self.controller.anti_windup, Clamp):
             integrals = (0, 1, -1)
-        kinds = [Mode(*kind) for kind in product(frictions, limits, integrals)]
+        kinds = [Mode(*kind) for kind in product(frictions, limits, integrals, pieces)]
         if limited and self.controller.anti_windup == "conditional":
-            kinds += [Mode(f, s, i) for f in frictions for s in (1, -1) for i in (1, 2)]
+            kinds += [Mode(*kind) for kind in product(frictions, (1, -1), (1, 2), pieces)]
         return tuple(kinds)
 
     def mode(self, mode: Mode) -> _Part:
@@ -165,7 +174,7 @@ class _Builder:
         if mode.limit:
             torque = mode.limit * self.axis.torque_limit * one
         rates = self.rates + np.outer(self.drive[: layout.moving], torque)
-        guards = self.limit_guards(mode, one)
+        guards = self.limit_guards(mode, one) + self.rippling(mode, rates, one)
         guards += self.integral(mode, rates, torque, one)
         pushing = np.zeros(layout.size)
         if self.axis.friction is not None:
@@ -173,7 +182,24 @@ class _Builder:
             guards = more + guards
         return _Part(rates, guards, torque, pushing)
 
-    def limit_guards(self, mode: Mode, one: FloatArray) -> list[tuple[FloatArray, Mode]]:
+    def rippling(self, mode: Mode, rates: FloatArray, one: FloatArray) -> list[_Guard]:
+        """Add a piece of the ripple to the rates; return guards of the pieces beside it."""
+        ripple, place = self.axis.ripple, self.layout.level("ripple")
+        if ripple is None or place is None:
+            return []
+        left, right = ripple.values()[mode.ripple : mode.ripple + 2]
+        begin, width = self.layout.unit(place), ripple.period / PIECES
+        passed = self.layout.row(self.axis.dynamics.motor) - begin
+        torque = left * one + (right - left) / width * passed
+        rates += np.outer(self.kick[: self.layout.moving], torque)
+        after = mode._replace(ripple=(mode.ripple + 1) % PIECES)
+        before = mode._replace(ripple=(mode.ripple - 1) % PIECES)
+        return [
+            _Guard(width * one - passed, after, width * begin, one),
+            _Guard(passed, before, -width * begin, one),
+        ]
+
+    def limit_guards(self, mode: Mode, one: FloatArray) -> list[_Guard]:
         if self.loop is None or self.axis.torque_limit == inf:
             return []
         limit = self.axis.torque_limit * one
@@ -181,18 +207,18 @@ class _Builder:
         if mode.limit and mode.integral != 2:
             back = mode._replace(limit=0, integral=inside)
             if mode.integral == 1 and self.controller.anti_windup == "conditional":
-                back = mode._replace(integral=2)
-            return [(mode.limit * self.asked - limit, back)]
+                return [self.onto_the_limit(mode, one)]
+            return [_Guard(mode.limit * self.asked - limit, back)]
         if mode.limit:
             return []
         return [
-            (limit - sign * self.asked, mode._replace(limit=sign, integral=inside))
+            _Guard(limit - sign * self.asked, mode._replace(limit=sign, integral=inside))
             for sign in (1, -1)
         ]
 
     def integral(
         self, mode: Mode, rates: FloatArray, torque: FloatArray, one: FloatArray
-    ) -> list[tuple[FloatArray, Mode]]:
+    ) -> list[_Guard]:
         """Change the integral's rate in place; return guards of what keeps it from winding up."""
         if self.loop is None:
             return []
@@ -205,15 +231,13 @@ class _Builder:
             return []
         outward = mode.limit * np.sign(ki or 1.0) * self.integrated
         if not mode.integral:
-            return [(-outward, mode._replace(integral=1))]
+            return [_Guard(-outward, mode._replace(integral=1))]
         rates[place] = 0.0
         if mode.integral == 1:
-            return [(outward, mode._replace(integral=0))]
+            return [_Guard(outward, mode._replace(integral=0))]
         return self.along_the_limit(mode, rates, one)
 
-    def along_the_limit(
-        self, mode: Mode, rates: FloatArray, one: FloatArray
-    ) -> list[tuple[FloatArray, Mode]]:
+    def along_the_limit(self, mode: Mode, rates: FloatArray, one: FloatArray) -> list[_Guard]:
         """Let the integral keep the torque on the limit; return guards of when that is over."""
         assert self.loop is not None
         ki, moving = self.integral_gain, self.layout.moving
@@ -223,28 +247,27 @@ class _Builder:
         slack = _ON_LIMIT * self.axis.torque_limit * one
         inside, held = mode._replace(limit=0, integral=0), mode._replace(integral=1)
         return [
-            (mode.limit * (drift + ki * self.integrated), inside),
-            (-mode.limit * drift, held),
-            (slack + beyond, inside),
-            (slack - beyond, held),
+            _Guard(mode.limit * (drift + ki * self.integrated), inside),
+            _Guard(-mode.limit * drift, held),
+            _Guard(slack + beyond, inside),
+            _Guard(slack - beyond, held),
         ]
 
-    def on_the_limit(self, mode: Mode) -> tuple[FloatArray, FloatArray]:
-        """Return what brings the torque exactly to its limit, by the integral, and its row."""
+    def onto_the_limit(self, mode: Mode, one: FloatArray) -> _Guard:
+        """Return the guard beyond which the integral brings the torque exactly to its limit."""
         assert self.loop is not None
-        limit = mode.limit * self.axis.torque_limit * self.layout.unit(self.layout.one)
-        return self.layout.unit(self.loop.integral) / self.integral_gain, limit - self.asked
+        off = mode.limit * self.axis.torque_limit * one - self.asked
+        share = self.layout.unit(self.loop.integral) / self.integral_gain
+        return _Guard(-mode.limit * off, mode._replace(integral=2), share, off)
 
-    def clamped(
-        self, mode: Mode, rates: FloatArray, most: FloatArray
-    ) -> list[tuple[FloatArray, Mode]]:
+    def clamped(self, mode: Mode, rates: FloatArray, most: FloatArray) -> list[_Guard]:
         assert self.loop is not None
         ki = self.integral_gain
         share = ki * self.layout.unit(self.loop.integral)
         if mode.integral:
             rates[self.loop.integral] = 0.0
-            return [(mode.integral * ki * self.integrated, mode._replace(integral=0))]
-        return [(most - sign * share, mode._replace(integral=sign)) for sign in (1, -1)]
+            return [_Guard(mode.integral * ki * self.integrated, mode._replace(integral=0))]
+        return [_Guard(most - sign * share, mode._replace(integral=sign)) for sign in (1, -1)]
 
     @property
     def integral_gain(self) -> float:
@@ -252,7 +275,7 @@ class _Builder:
 
     def friction(
         self, mode: Mode, rates: FloatArray, one: FloatArray
-    ) -> tuple[FloatArray, list[tuple[FloatArray, Mode]]]:
+    ) -> tuple[FloatArray, list[_Guard]]:
         """Change rates in place; return the torque to be held and the guards."""
         friction = self.axis.friction
         assert friction is not None
@@ -262,12 +285,12 @@ class _Builder:
         kick = self.kick[:moving]
         if mode.friction:
             rates -= np.outer(kick, mode.friction * friction.coulomb * one)
-            return pushing, [(mode.friction * self.velocity, mode._replace(friction=0))]
+            stop = -self.kick / mobility  # takes the motor's velocity away
+            stuck = mode._replace(friction=0)
+            return pushing, [_Guard(mode.friction * self.velocity, stuck, stop, self.velocity)]
         rates -= np.outer(kick, pushing)
         rates[np.flatnonzero(self.velocity)] = 0.0
         holds = friction.holds * one
-        return pushing, [(holds - sign * pushing, mode._replace(friction=sign)) for sign in (1, -1)]
-
-    def stopping(self) -> tuple[FloatArray, FloatArray]:
-        """Return what takes the motor's velocity away, and its row."""
-        return -self.kick / float(self.velocity @ self.kick), self.velocity
+        return pushing, [
+            _Guard(holds - sign * pushing, mode._replace(friction=sign)) for sign in (1, -1)
+        ]

@@ -32,8 +32,8 @@ class Layout:
     order : int
         Of its chain of derivatives; −1 without.
     set : tuple of str
-        What else is set at times: "motor" and "load", the torques held on them, and "sign", that
-        of the command's rate.
+        What else is set at times: "motor" and "load", the torques held on them; "sign", that of the
+        command's rate; or by events, "ripple", where its piece begins.
     digital : bool
         Whether a controller's torque is held.
     """
@@ -151,7 +151,7 @@ class Layout:
             values = derivatives_of(self.polynomial, start + times, self.order).T
             for time, value in zip(times, values, strict=True):
                 at(float(time))[: self.order + 1] = value
-        for signal in self.set:
+        for signal in (name for name in self.set if name != "ripple"):
             place = (self.level(signal) or 0) - self.chain
             for time, value in self._changes(signal, start, duration):
                 if time < duration:
@@ -172,14 +172,21 @@ class Layout:
 
 
 def layout_of(
-    states: int, disturbances: tuple[Disturbance, ...], command: Command | None, *, signed: bool
+    states: int,
+    disturbances: tuple[Disturbance, ...],
+    command: Command | None,
+    *,
+    signed: bool,
+    rippling: bool,
 ) -> Layout:
     """Return the layout of a loop; without a command a digital one's.
 
-    `signed` for a continuous one that takes the sign of the command's rate.
+    `signed` for a continuous one that takes the sign of the command's rate, `rippling` for a
+    motor with ripple, of which the beginning of the piece that it is on is held.
     """
     held = {d.on for d in disturbances if not isinstance(d, TorqueSine)}
     signals: tuple[str, ...] = tuple(on for on in ("motor", "load") if on in held)
+    signals += ("ripple",) * rippling
     if command is None:
         return Layout(states, disturbances, set=signals, digital=True)
     signals += ("sign",) * signed
@@ -254,10 +261,11 @@ def at_rest(axis: Axis, position: float) -> tuple[FloatArray, float]:
     """
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
-    if position == 0.0 and axis.constant_load == 0.0:
+    ripple = axis.ripple.torque(position) if axis.ripple else 0.0
+    if position == 0.0 and axis.constant_load == 0.0 and ripple == 0.0:
         return np.zeros(d.size), 0.0
     matrix = np.vstack([np.column_stack([d.a, d.b[:, 0]]), np.append(seen, 0.0)])
-    target = np.append(-axis.constant_load * d.b[:, 2], position)
+    target = np.append(-axis.constant_load * d.b[:, 2] - ripple * d.b[:, 1], position)
     solved, *_ = np.linalg.lstsq(matrix, target, rcond=None)
     solved[np.abs(solved) < 1e-15 * np.abs(solved).max()] = 0.0
     return solved[:-1], float(solved[-1])

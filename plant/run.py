@@ -21,7 +21,7 @@ from .commands import Command, breaks_of, derivatives_of
 from .controller import Controller
 from .disturbances import Disturbance
 from .feedforward import Feedforward
-from .hybrid import Hybrid, hybrid_of
+from .hybrid import Hybrid, Mode, hybrid_of
 from .layout import Layout, at_rest, layout_of
 from .loop_response import LoopResponse
 from .open_loop import open_loop
@@ -276,6 +276,7 @@ def simulate(scene: Scene) -> Run:
         scene.disturbances,
         None if scene.is_digital else scene.command,
         signed=loop is not None and scene.feedforward.friction > 0.0,
+        rippling=axis.ripple is not None,
     )
     hybrid = hybrid_of(axis, controller, layout, loop, scene.feedforward.friction)
     rest, holding = at_rest(axis, scene.start)
@@ -288,10 +289,15 @@ def simulate(scene: Scene) -> Run:
     if scene.is_digital:
         z[layout.held], memory[1] = holding, preload
         _preload_filters(controller, memory, holding)
+    first, place = 0, layout.level("ripple")
+    if axis.ripple is not None and place is not None:
+        piece, z[place] = axis.ripple.piece_at(float(axis.dynamics.motor @ rest))
+        first = hybrid.modes.index(Mode(ripple=piece))
     times, values = layout.settings(scene.begin, scene.duration)
     commands, ahead = _sampled_command(scene)
     samples = np.zeros((len(commands), 3))
     numbers, tuned, sections = _numbers(scene, layout, hybrid, len(commands), len(times))
+    numbers[6] = first
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
     moved = d.load if axis.sensor == "load" else d.motor

@@ -25,7 +25,7 @@ static double uniform(double low, double high) { /* xorshift64* */
 /* States y, v, twist and its rate; u and 1 are held. Modes: stick, slip forwards, backwards. */
 typedef struct {
     double rates[MODES * MOVING * N], rows[MODES * GUARDS * N], next[MODES * GUARDS];
-    double onto[MODES * N], along[MODES * N];
+    double onto[MODES * GUARDS * N], along[MODES * GUARDS * N];
     double z[N], motor[N], section[5 * SECTIONS], gains[4], torque[4];
     double commands[SAMPLES * 4], state[JOUNCE_CONTROLLER_STATE(SECTIONS)], out[3 * SAMPLES];
     double work[JOUNCE_AUTOMATON_WORK(N, MOVING, MODES, GUARDS)];
@@ -49,15 +49,15 @@ static void make_axis(Memory *m, double stiff, double loss, double share, double
         m->next[mode * GUARDS + 1] = mode > 0 ? -1.0 : 2.0;
         if (mode > 0) {
             row[1] = way;
+            m->onto[mode * GUARDS * N + 1] = -1.0;
+            m->onto[mode * GUARDS * N + 3] = 1.0;
+            m->along[mode * GUARDS * N + 1] = 1.0;
             continue;
         }
         for (j = 0; j < N; j++) {
             row[j] = (j == 5 ? stick : 0.0) - push[j];
             row[N + j] = (j == 5 ? stick : 0.0) + push[j];
         }
-        m->onto[1] = -1.0;
-        m->onto[3] = 1.0;
-        m->along[1] = 1.0;
     }
     m->z[5] = 1.0;
     m->motor[0] = 1.0;
