@@ -95,6 +95,15 @@ class Controller(Frozen):
         elif self.anti_windup is not None:
             kinds = "'conditional', BackCalculation(…), Clamp(…) or None"
             of_kind("anti_windup", self.anti_windup, BackCalculation | Clamp, kinds)  # type: ignore[arg-type]
+        self._check_tracking()
+
+    def _check_tracking(self) -> None:
+        way, dt = self.anti_windup, self.sample_time or 0.0
+        if isinstance(way, BackCalculation) and way.tracking_time < 0.5 * dt:
+            raise ValueError(
+                f"tracking_time = {way.tracking_time!r}: below half a sample the limited loop's "
+                f"integral is unstable; give {0.5 * dt:g} or more"
+            )
 
     @property
     def integral_gain(self) -> float:
@@ -167,7 +176,10 @@ _Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 def _law(law: PID | CascadedPI, dt: float) -> _Matrices:
-    """Return the sampled law with states I, e_motor before, and the filtered rate before."""
+    """Return the sampled law with states I, e_motor before, and the filtered rate before.
+
+    Those that do nothing are left out: an integral without gain would count as unstable.
+    """
     lag = law.derivative_filter if isinstance(law, PID) else law.velocity_filter
     kept, slope = lag / (lag + dt), 1.0 / (lag + dt)
     rate = np.array([0.0, -slope, kept])  # of the states; + slope·e_motor
@@ -175,12 +187,15 @@ def _law(law: PID | CascadedPI, dt: float) -> _Matrices:
         a = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], rate])
         b = np.array([[dt, 0.0], [0.0, 1.0], [0.0, slope]])
         c = law.ki * a[:1] + law.kr * rate
-        return a, b, c, np.array([[law.kp + law.ki * dt, law.kr * slope]])
-    within = np.array([law.position_gain, slope])  # ε of e and e_motor; + rate of the states
-    a = np.array([np.array([1.0, 0.0, 0.0]) + dt * rate, [0.0, 0.0, 0.0], rate])
-    b = np.array([dt * within, [0.0, 1.0], [0.0, slope]])
-    c = law.velocity_gain * rate[None] + law.integral_gain * a[:1]
-    return a, b, c, (law.velocity_gain + law.integral_gain * dt) * within[None]
+        d = np.array([[law.kp + law.ki * dt, law.kr * slope]])
+    else:
+        within = np.array([law.position_gain, slope])  # ε of e and e_motor; + rate of the states
+        a = np.array([np.array([1.0, 0.0, 0.0]) + dt * rate, [0.0, 0.0, 0.0], rate])
+        b = np.array([dt * within, [0.0, 1.0], [0.0, slope]])
+        c = law.velocity_gain * rate[None] + law.integral_gain * a[:1]
+        d = (law.velocity_gain + law.integral_gain * dt) * within[None]
+    used = c[0] != 0.0
+    return a[np.ix_(used, used)], b[used], c[:, used], d
 
 
 def _section(row: FloatArray) -> _Matrices:

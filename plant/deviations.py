@@ -180,7 +180,7 @@ def _continuous(loop: ServoLoop, wind: Wind | None) -> LoopDeviations:
 
     if wind is None:
         return LoopDeviations(0.0, 0.0, 0.0, 0.0)
-    o, d = loop.open_loop, loop.axis.dynamics
+    o, d = loop.open_loop.without_idle_integral(), loop.axis.dynamics
     a, _ = o.closed()
     n = len(a)
     rows = np.array([_wide(row[None], n)[0] for row in (d.load, d.motor)] + [o.asked[:n]])

@@ -44,6 +44,17 @@ class OpenLoop:
     integrated: FloatArray
     integral: int
 
+    def without_idle_integral(self) -> OpenLoop:
+        """Return it without an integral that nothing takes, which would count as unstable."""
+        n, place = len(self.a), self.integral
+        if self.asked[place] or self.a[np.arange(n) != place, place].any():
+            return self
+        a, fed = np.delete(np.delete(self.a, place, 0), place, 1), np.delete(self.fed, place, 0)
+        drive, disturbed = np.delete(self.drive, place), np.delete(self.disturbed, place, 0)
+        error, asked = np.delete(self.error, place), np.delete(self.asked, place)
+        integrated = np.delete(self.integrated, place)
+        return OpenLoop(a, drive, fed, disturbed, error, asked, integrated, -1)
+
     def closed(self) -> tuple[FloatArray, FloatArray]:
         """Return A and P of the loop with u = w."""
         n = len(self.a)

@@ -317,7 +317,12 @@ def simulate(scene: Scene) -> Run:
             f"the loop's modes change for ever at t = {segments[-1, 0]:.6g}: the anti-windup holds "
             "and releases the integral at the limit; use BackCalculation, or a sample time"
         )
-    if status != core.OK or not np.isfinite(z).all():
+    if status != core.OK and np.isfinite(z).all():
+        raise ValueError(
+            f"friction or limit changes more than {len(segments)} times until "
+            f"t = {segments[-1, 0]:.6g}: shorten the duration"
+        )
+    if not np.isfinite(z).all():
         raise ValueError(
             f"the response leaves the range of a double within {scene.duration!r}: the loop is "
             "unstable; shorten the duration"

@@ -25,7 +25,7 @@ from .closed_systems import (
     continuous_functions,
     sampled_functions,
 )
-from .commands import as_command
+from .commands import Sum, as_command
 from .controller import Controller, as_controller
 from .deviations import LoopDeviations, loop_deviations
 from .disturbances import Wind, checked_disturbances
@@ -130,7 +130,7 @@ class ServoLoop(Frozen):
 
     def _broken_at_torque(self) -> control.StateSpace:
         """Return the continuous loop from u to −u_feedback."""
-        o = self.open_loop
+        o = self.open_loop.without_idle_integral()
         n = len(o.a)
         return linear_system(
             (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
@@ -399,11 +399,12 @@ class ServoLoop(Frozen):
         return loop_deviations(self, wind, finite("encoder_noise", encoder_noise))
 
     def _check_fed(self, command: Any) -> None:
-        if isinstance(command, Trajectory):
-            highest = self.feedforward_noun.order
-            if not self.is_digital:
-                highest = max(highest, self.open_loop.fed.shape[1] - 1)
-            check_fed(command, range(highest + 1))
+        highest = self.feedforward_noun.order
+        if not self.is_digital:
+            highest = max(highest, self.open_loop.fed.shape[1] - 1)
+        for part in command.parts if isinstance(command, Sum) else (command,):
+            if isinstance(part, Trajectory):
+                check_fed(part, range(highest + 1))
 
     def _scene(
         self,

@@ -6,6 +6,7 @@ import control
 import numpy as np
 import pytest
 
+from jounce.analysis import loop_margins
 from jounce.plant import (
     PID,
     Axis,
@@ -22,6 +23,7 @@ from jounce.plant import (
     ServoLoop,
     Sine,
     TorqueSteps,
+    Wind,
     as_controller,
     chain_axis,
     inverse_feedforward,
@@ -122,6 +124,19 @@ def test_the_sampled_loop_has_the_poles_of_the_core_in_free_motion():
     assert np.abs(left).max() < 1e-11 * np.abs(y).max()
 
 
+@pytest.mark.parametrize("law", [PID(1200.0, 0.0, 60.0), CascadedPI(25.0, 60.0)], ids=["pd", "p"])
+@pytest.mark.parametrize("sensor", ["motor", "both"])
+def test_an_integral_without_gain_makes_no_loop_unstable(law, sensor):
+    axis = Axis(2.0, modes=FlexibleMode(60.0, 0.05, load_fraction=0.2), sensor=sensor)
+    wind = Wind("first_order", 1.0, corner_hz=1.0)
+    for controller in (Controller(law), Controller(law, sample_time=T, delay=T)):
+        loop = ServoLoop(axis, controller)
+        margins = loop_margins(loop)
+        assert margins.phase_margin_deg > 20.0
+        assert loop.deviations(wind).load > 0.0
+        assert loop_margins(loop.loop_transfer()).crossover_hz == margins.crossover_hz
+
+
 def test_a_cascade_is_the_pid_that_it_says():
     kp = 60.0 * (25.0 + 1 / 0.05)
     pid = PID(kp, 60.0 * 25.0 / 0.05, 60.0)
@@ -190,6 +205,10 @@ def test_a_lead_makes_up_for_the_delay():
         (lambda: Controller(PID_LAW, anti_windup="some"), "anti_windup = 'some'"),
         (lambda: Controller(PID_LAW, discretisation="euler"), "'tustin', 'matched' or 'hold'"),
         (lambda: BackCalculation(0.0), "tracking_time = 0.0"),
+        (
+            lambda: Controller(PID_LAW, sample_time=T, anti_windup=BackCalculation(1e-4)),
+            "give 0.0005 or more",
+        ),
         (lambda: Clamp(-1.0), "integral_limit = -1.0"),
         (lambda: LowPass(1.0, order=3), "order = 3"),
         (lambda: PID(1.0, 1.0, 1.0, derivative_filter=-1.0), "derivative_filter = -1.0"),

@@ -260,6 +260,35 @@ def test_a_push_above_the_static_friction_for_a_moment_is_not_missed(above):
     assert second[1:] == (1, 0)
 
 
+@pytest.mark.parametrize(("length", "force", "second"), [(1e-9, 1e6, 1.0), (1e5, 1e-7, 1e-6)])
+def test_events_do_not_depend_on_the_units(length, force, second):
+    def events(length, force, second):
+        stiffness = force / length
+        axis = Axis(
+            2.0 * stiffness * second**2,
+            modes=FlexibleMode(20.0 / second, 0.01, load_fraction=0.3),
+            friction=Friction(3.0 * force, 4.0 * force),
+            torque_limit=14.0 * force,
+            current_lag=6e-4 * second,
+        )
+        law = PID(
+            1263.31 * stiffness,
+            4762.56 * stiffness / second,
+            65.3451 * stiffness * second,
+            derivative_filter=1e-3 * second,
+        )
+        controller = Controller(law, sample_time=1e-3 * second, delay=4e-4 * second)
+        move = MOVE.stretch(second).scale(length)
+        response = ServoLoop(axis, controller).respond(move, second, duration=1.2 * second)
+        times = [event[0] / second for event in response.friction_events]
+        return times, response.peak_load_error / length
+
+    usual, other = events(1.0, 1.0, 1.0), events(length, force, second)
+    assert len(usual[0]) > 3
+    assert other[0] == pytest.approx(usual[0], abs=1e-11)
+    assert other[1] == pytest.approx(usual[1], rel=1e-10)
+
+
 def test_stuck_for_long_is_foretold():
     loop = ServoLoop(
         Axis(2.0, friction=Friction(3.0, 4.5)),
