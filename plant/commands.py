@@ -13,6 +13,8 @@ from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import shown
 
+_ON_BREAK = 1e-12  # a time this near to a break, relative to the longest, is on it
+
 
 class _Endless:
     """A smooth command without breaks."""
@@ -141,3 +143,13 @@ def breaks_of(command: Command) -> FloatArray:
     """Return the times at which a command changes its polynomial, in order."""
     parts = command.parts if isinstance(command, Sum) else (command,)
     return np.unique(np.concatenate([np.asarray(part.breaks) for part in parts]))
+
+
+def on_breaks(command: Command, times: FloatArray) -> FloatArray:
+    """Return times, those that rounding has parted from a break of the command on it."""
+    breaks = breaks_of(command)
+    nearest = breaks[np.clip(np.searchsorted(breaks, times), 0, len(breaks) - 1)]
+    before = breaks[np.clip(np.searchsorted(breaks, times) - 1, 0, len(breaks) - 1)]
+    slack = _ON_BREAK * max(float(np.abs(times).max(initial=0.0)), abs(float(breaks[-1])))
+    times = np.where(np.abs(times - nearest) <= slack, nearest, times)
+    return np.asarray(np.where(np.abs(times - before) <= slack, before, times))

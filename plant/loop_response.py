@@ -12,9 +12,11 @@ import numpy as np
 from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.pieces import FloatArray
+from .simulate import simulate
 
 if TYPE_CHECKING:
-    from .run import Pieces, Run, Scene
+    from .run import Run, Scene
+    from .signal_pieces import Pieces
 
 Of = Literal["position", "load"]
 
@@ -123,7 +125,7 @@ class LoopResponse:
     @cached_property
     def run(self) -> Run:
         """The exact motion between the times of the grid."""
-        return self._scene.run()
+        return simulate(self._scene)
 
     @property
     def _scene(self) -> Scene:

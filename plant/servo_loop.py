@@ -14,7 +14,6 @@ from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import finite, positive
 from ..shaping.frozen import Frozen
 from ..shaping.jerk_filter import checked_filter
-from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
 from ..shaping.real_numbers import real_array
 from ..shaping.trajectory import checked_trajectory
@@ -30,15 +29,17 @@ from .controller import Controller, as_controller
 from .deviations import LoopDeviations, loop_deviations
 from .disturbances import Wind, checked_disturbances
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
+from .filtered_loop import behind_filter, filter_outputs
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
 from .layout import start_of
 from .linear_system import linear_system, static_gain
+from .loop_grid import response_of
 from .loop_response import LoopResponse
 from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
 from .respond import respond_on_grid
-from .run import Scene, response_of
+from .run import Scene
 from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
@@ -462,8 +463,8 @@ class ServoLoop(Frozen):
         moved = trajectory.shift(-start)
         system, initial, behind = self.system(), np.zeros(self.system().nstates), None
         if jerk_filter is not None:
-            behind = _filter_outputs(checked_filter(jerk_filter), moved)
-            system, fed, initial = _behind_filter(system, jerk_filter, moved, behind)
+            behind = filter_outputs(checked_filter(jerk_filter), moved)
+            system, fed, initial = behind_filter(system, jerk_filter, moved, behind)
         time, states, inputs, outputs = respond_on_grid(
             system, range(fed), moved, positive("dt", dt), duration, initial
         )
@@ -482,47 +483,6 @@ class ServoLoop(Frozen):
 
 def _sum(signs: list[float], parts: list[str], whole: str) -> control.StateSpace:
     return static_gain([signs], inputs=parts, outputs=[whole], name=f"sum_{whole}")
-
-
-def _filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArray:
-    """Return the matrix from the lags of a filter's copies to r, r_rate, r_acceleration.
-
-    There is a copy for each derivative of the trajectory that is free of impulses, up to the
-    acceleration; what is missing is the derivative of the last copy's output.
-    """
-    m = jerk_filter.order
-    direct = min(2, trajectory.lowest_jump())
-    if m <= 2 - direct:
-        raise ValueError(
-            f"a jerk filter of order {m} behind a trajectory whose derivative {direct} jumps has "
-            f"no finite acceleration: use order {3 - direct} or more, or bound the acceleration"
-        )
-    outputs = np.zeros((3, (direct + 1) * m))
-    for i in range(3):
-        copy = min(i, direct)
-        outputs[i, copy * m : (copy + 1) * m] = jerk_filter.derivative_weights(i - copy)[1:]
-    return outputs
-
-
-def _behind_filter(
-    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory, outputs: FloatArray
-) -> tuple[control.StateSpace, int, FloatArray]:
-    """Return the loop behind the filter's copies, how many there are, and the initial state."""
-    import control
-
-    a, b = jerk_filter.state_space()
-    lags, n = outputs.shape[1], loop.nstates
-    copies = lags // jerk_filter.order
-    full = np.zeros((lags + n, lags + n))
-    full[:lags, :lags] = np.kron(np.eye(copies), a)
-    full[lags:, :lags] = loop.B @ outputs
-    full[lags:, lags:] = loop.A
-    drive = np.vstack([np.kron(np.eye(copies), b), np.zeros((n, copies))])
-    out = np.hstack([loop.D @ outputs, loop.C])
-    start = [jerk_filter.steady_state(trajectory, k) for k in range(copies)]
-    initial = np.concatenate([*start, np.zeros(n)])
-    system = control.StateSpace(full, drive, out, 0, remove_useless_states=False)
-    return system, copies, initial
 
 
 def _named(
