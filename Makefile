@@ -29,13 +29,14 @@ test-slow: $(VENV)/.installed-dev
 CC := $(or $(shell command -v gcc || command -v clang),$(BIN)/python -m ziglang cc)
 CORE := $(filter-out core/binding.c,$(wildcard core/*.c))
 STRICT := -std=c99 -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Werror
-test-sanitize: out/driver
+test-sanitize: out/driver out/driver_loops
 	out/driver
+	out/driver_loops
 
-out/driver: tests/core/driver.c $(CORE) $(wildcard core/*.h)
+out/driver out/driver_loops: out/%: tests/core/%.c $(CORE) $(wildcard core/*.h)
 	mkdir -p out
 	$(CC) $(STRICT) -Wpedantic -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
-		-Icore -o $@ tests/core/driver.c $(CORE)
+		-Icore -o $@ tests/core/$*.c $(CORE)
 
 # Exactly the lowest releases that pyproject.toml admits, on the lowest Python; old releases warn
 # of what newer ones of others have changed.

@@ -14,6 +14,7 @@ OK: int
 UNREACHABLE: int
 NO_DURATION: int
 RANGE: int
+CHATTER: int
 FMI2_MARK: int
 
 @final
@@ -135,6 +136,9 @@ def transfer_pieces(
     end_states: FloatArray,
     /,
 ) -> None: ...
+def run_loop(
+    numbers: Numbers, controller: Numbers, /, *arrays: FloatArray
+) -> tuple[FloatArray, int]: ...
 def fmi2_logger(strays: int, /) -> int: ...
 def move_durations(
     order: int,

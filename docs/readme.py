@@ -122,6 +122,7 @@ def benchmarks() -> str:
         "transfers",
         "following",
         "response",
+        "loops",
         "margins",
         "fmu",
         "startup",

@@ -1,24 +1,68 @@
 """Plants, controllers and loops as python-control systems, and their exact responses."""
 
+from .anti_windup import BackCalculation, Clamp
+from .axis import Axis, as_axis, chain_axis, system_axis
+from .cascade import CascadedPI
+from .closed_systems import Sensitivity
+from .commands import Ramp, Sine
+from .controller import Controller, as_controller
+from .deviations import LoopDeviations
+from .disturbances import SampledTorque, TorqueSine, TorqueSteps, Wind
 from .exact_response import respond
-from .feedforward import InertiaFeedforward
+from .feedforward import Feedforward, InertiaFeedforward
+from .filters import LeadLag, LowPass, Notch
 from .flexible_inertia import FlexibleInertia
+from .flexible_mode import FlexibleMode
+from .friction import Friction
 from .inertia import Inertia
+from .inverse import inverse_feedforward, low_frequency_feedforward
+from .loop_response import LoopResponse
+from .many import respond_all
 from .pid import PID, design_pid
+from .realisation import wind_realisation
+from .ripple import Ripple
 from .sampled import zero_order_hold
-from .servo_loop import LoopResponse, ServoLoop
+from .servo_loop import ServoLoop
 from .shaper_systems import filter_system
 
 __all__ = [
     "PID",
+    "Axis",
+    "BackCalculation",
+    "CascadedPI",
+    "Clamp",
+    "Controller",
+    "Feedforward",
     "FlexibleInertia",
+    "FlexibleMode",
+    "Friction",
     "Inertia",
     "InertiaFeedforward",
+    "LeadLag",
+    "LoopDeviations",
     "LoopResponse",
+    "LowPass",
+    "Notch",
+    "Ramp",
+    "Ripple",
+    "SampledTorque",
+    "Sensitivity",
     "ServoLoop",
+    "Sine",
+    "TorqueSine",
+    "TorqueSteps",
+    "Wind",
+    "as_axis",
+    "as_controller",
+    "chain_axis",
     "design_pid",
     "filter_system",
+    "inverse_feedforward",
+    "low_frequency_feedforward",
     "respond",
+    "respond_all",
+    "system_axis",
+    "wind_realisation",
     "zero_order_hold",
 ]
 

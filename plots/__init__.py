@@ -16,6 +16,7 @@ from .frequency_view import (
     plot_vibration_by_size,
     plot_vibration_map,
 )
+from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
 from .survey import plot_survey
@@ -30,6 +31,7 @@ __all__ = [
     "plot_describing_phase",
     "plot_following",
     "plot_frequency_responses",
+    "plot_loop_response",
     "plot_margin_contours",
     "plot_motions",
     "plot_null_by_size",

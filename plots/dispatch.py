@@ -20,6 +20,7 @@ from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
+from ..plant import LoopResponse
 from ..shaping import FollowerResponse, Trajectory
 from ..shaping.trajectory import Planned
 from .conformance import plot_conformance
@@ -30,6 +31,7 @@ from .describing_functions import (
     plot_periodic_response,
 )
 from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
+from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
 from .survey import plot_survey
@@ -89,6 +91,7 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
     Planned: plot_trajectory,
+    LoopResponse: plot_loop_response,
     Survey: plot_survey,
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,

@@ -219,6 +219,52 @@ class CommandFollower(Frozen):
             raise range_error()
         return FollowerResponse(time, given, states)
 
+    def trajectory(
+        self,
+        commands: ArrayLike,
+        *,
+        command_velocities: ArrayLike | None = None,
+        initial: Sequence[float] | None = None,
+    ) -> Trajectory:
+        """Return the whole motion behind a series of commands, exact between the samples, too.
+
+        A sampled command, of a file or a planner, becomes what a servo loop can follow:
+        `loop.respond(follower.trajectory(commands), dt)`.
+
+        Parameters
+        ----------
+        commands, command_velocities, initial
+            As in `run`.
+
+        Raises
+        ------
+        ValueError
+            As `run` does, or for a follower with a jerk filter or a period, whose output is no
+            piecewise polynomial.
+        """
+        if self.jerk_filter is not None or self.period is not None:
+            raise ValueError(
+                "a follower with a jerk filter or a period has no trajectory of pieces: use run()"
+            )
+        response = self.run(commands, command_velocities=command_velocities, initial=initial)
+        begin = self._checked_state((0.0,) if initial is None else initial)
+        speeds = np.broadcast_to(
+            0.0 if command_velocities is None else command_velocities, response.commands.shape
+        )
+        state, durations, rows = begin, [], []
+        for k, (command, speed) in enumerate(zip(response.commands, speeds, strict=True)):
+            inside = self.motion(state, float(command), float(speed))
+            durations.append(inside.durations)
+            rows.append(inside.states)
+            state = tuple(response.states[:, k].tolist())
+        breaks = [k * self.dt + np.cumsum(part)[:-1] for k, part in enumerate(durations)]
+        inner = [np.append(k * self.dt, part) for k, part in enumerate(breaks)]
+        times = np.append(np.concatenate(inner), len(durations) * self.dt)
+        lasting = np.diff(times) > 1e-14 * times[-1]  # shorter ones are rounding
+        end = np.array(state)
+        end[-1] = 0.0
+        return Trajectory(times[np.append(lasting, True)], np.vstack(rows)[lasting], end_state=end)
+
     def motion(
         self, state: Sequence[float], command: float, command_velocity: float = 0.0
     ) -> Trajectory:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...plant.servo_loop import ServoLoop
 from ...shaping.checks import finite
 from .bandwidth import bandwidth
 from .batch_crossings import OnePieces, Pieces, pieces_of
@@ -42,7 +43,7 @@ _SILENT = {
 
 
 def loop_margins(
-    system: "control.StateSpace | control.TransferFunction", *, delay: float = 0.0
+    system: "control.StateSpace | control.TransferFunction | ServoLoop", *, delay: float = 0.0
 ) -> LoopMargins:
     """Return the margins of the unity negative-feedback loop around `system`.
 
@@ -57,7 +58,8 @@ def loop_margins(
     system : control.StateSpace or control.TransferFunction
         Open-loop transfer, one input, one output: G(s) in rad/s, where an ideal (improper)
         transfer function is accepted without a delay, or L(z) with its sampling time in seconds,
-        such as `ServoLoop.sampled_loop_transfer` gives.
+        such as `ServoLoop.sampled_loop_transfer` gives. Of a ServoLoop it is its open loop, with
+        delay and sampling as they are.
     delay : float, optional
         Pure delay in seconds behind a system in continuous time, taken as it is, without a Padé
         approximation. A discrete loop has its delay in L(z).
@@ -110,6 +112,8 @@ def loop_margins(
     >>> [(round(low, 4), high) for low, high in unstable.stabilizing_gains]
     [(1.3571, inf)]
     """
+    if isinstance(system, ServoLoop):
+        system = system.loop_transfer()
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))
     if not loop.gain:

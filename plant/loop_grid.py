@@ -1,0 +1,51 @@
+"""The response of a simulated loop on a grid, or at times."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..shaping.checks import positive
+from ..shaping.pieces import FloatArray
+from ..shaping.propagate import grid
+from ..shaping.real_numbers import real_array, shown
+from .commands import derivatives_of, on_breaks
+from .loop_response import LoopResponse
+from .run import Scene
+from .simulate import simulate
+
+
+def response_of(scene: Scene, dt: float | None, times: Any) -> LoopResponse:
+    """Run a scene and return its response on a grid, or at times."""
+    if times is not None:
+        grid_times = real_array("times", times)
+        rising = grid_times.ndim == 1 and bool((np.diff(grid_times) >= 0.0).all())
+        if not rising or not grid_times.size or grid_times[0] < scene.begin:
+            raise ValueError(
+                f"times = {shown(times)}: expected increasing times, none before the start at "
+                f"{scene.begin!r}"
+            )
+    elif dt is None:
+        raise ValueError("dt is missing: give the spacing of the time grid, or times=…")
+    else:
+        grid_times = grid(scene.begin, scene.duration, positive("dt", dt))
+    run = simulate(scene)
+    modes, states = run.at(grid_times - scene.begin)
+    inputs = derivatives_of(scene.command, on_breaks(scene.command, grid_times), 2)
+    d = scene.axis.dynamics
+    twist = run.layout.row(d.load - d.motor)
+    position, load = states @ run.seen_row, states @ run.load_row
+    torque = _by_mode(run.hybrid.torque, modes, states)
+    outputs = [position, inputs[0] - position, torque]
+    outputs += [load, states @ twist, _by_mode(run.torque_rows, modes, states)]
+    response = LoopResponse(grid_times, inputs, np.array(outputs), states.T, scene=scene)
+    vars(response)["run"] = run  # what was simulated is kept
+    return response
+
+
+def _by_mode(rows: FloatArray, modes: Any, states: FloatArray) -> FloatArray:
+    """Return what rows, one a mode, make of states."""
+    if (rows == rows[0]).all():
+        return np.asarray(states @ rows[0])
+    return np.asarray((states * rows[modes]).sum(axis=1))

@@ -1,0 +1,149 @@
+"""Runs of a servo loop, exact from event to event."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from ..shaping.pieces import FloatArray
+from .axis import Axis
+from .commands import Command, breaks_of, derivatives_of, on_breaks
+from .controller import Controller
+from .disturbances import Disturbance
+from .feedforward import Feedforward
+from .hybrid import Hybrid
+from .layout import Layout
+from .signal_pieces import TERMS, Pieces
+
+_SAME = 1e-13  # times this near to one another, relative to the longest, are one
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is simulated: an axis under a controller, its command and what disturbs it.
+
+    Attributes
+    ----------
+    axis : Axis
+    controller : Controller
+    feedforward : Feedforward
+    command : Command
+    start : float
+        Measured position at the start, at rest.
+    begin, duration : float
+        Time of the command at the start of the run, and its length.
+    disturbances : tuple
+    noise : (samples,) array or None
+        Added to what is measured, of a digital controller.
+    """
+
+    axis: Axis
+    controller: Controller
+    feedforward: Feedforward
+    command: Command
+    start: float
+    begin: float
+    duration: float
+    disturbances: tuple[Disturbance, ...] = ()
+    noise: FloatArray | None = None
+
+    @property
+    def is_digital(self) -> bool:
+        """Whether the controller runs once a sample."""
+        return self.controller.sample_time is not None
+
+    @property
+    def sample_count(self) -> int:
+        """Samples of a digital controller before the end."""
+        dt = self.controller.sample_time
+        return 0 if dt is None else max(ceil(self.duration / dt * (1.0 - 1e-12)), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The exact motion of a loop: on from each of `times`, z(t) = e^(rates[mode]·(t − time))·z.
+
+    Attributes
+    ----------
+    scene : Scene
+    hybrid : Hybrid
+    layout : Layout
+    times : (S,) array
+        From 0; the last is the end.
+    modes : (S,) array of int
+    states : (S, n) array
+    samples : (N, 3) array
+        Error e, torque asked for w, and the torque u of each sample of a digital controller.
+    """
+
+    scene: Scene
+    hybrid: Hybrid
+    layout: Layout
+    times: FloatArray
+    modes: Any
+    states: FloatArray
+    samples: FloatArray
+
+    def at(self, times: FloatArray) -> tuple[Any, FloatArray]:
+        """Return the modes and states (N, n) at times from 0 on; at an event those after it."""
+        slack = _SAME * self.times[-1]
+        index = np.searchsorted(self.times, times + slack, side="right") - 1
+        index = np.clip(index, 0, len(self.times) - 1)
+        modes, states = self.modes[index], self.states[index].copy()
+        ahead = times - self.times[index]
+        self._advance(states, modes, np.where(ahead > slack, ahead, 0.0))
+        return modes, states
+
+    def _advance(self, states: FloatArray, modes: Any, ahead: FloatArray) -> None:
+        """Move states on in place, each by its time, which is at most a step."""
+        moving = self.layout.moving
+        for mode in np.unique(modes[ahead > 0.0]):
+            some = np.flatnonzero((modes == mode) & (ahead > 0.0))
+            term, total = states[some].T.copy(), states[some].T.copy()
+            for k in range(1, TERMS + 4):
+                after = (self.hybrid.rates[mode] @ term) * (ahead[some] / k)
+                term[:moving], term[moving:] = after, 0.0
+                total[:moving] += after
+            states[some] = total.T
+
+    @cached_property
+    def load_row(self) -> FloatArray:
+        """Row of the load's position."""
+        return self.layout.row(self.scene.axis.dynamics.load)
+
+    @cached_property
+    def seen_row(self) -> FloatArray:
+        """Row of the measured position."""
+        d = self.scene.axis.dynamics
+        return self.layout.row(d.motor if self.scene.axis.sensor == "motor" else d.load)
+
+    @cached_property
+    def torque_rows(self) -> FloatArray:
+        """Rows of the motor's torque, one a mode."""
+        d = self.scene.axis.dynamics
+        return np.array(
+            [self.layout.row(d.torque[:-1]) + d.torque[-1] * row for row in self.hybrid.torque]
+        )
+
+    def pieces(self, row: FloatArray, command: float, target: float = 0.0) -> Pieces:
+        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next."""
+        breaks = breaks_of(self.scene.command) - self.scene.begin
+        end = self.times[-1]
+        inner = breaks[(breaks > 0.0) & (breaks < end)]
+        times = np.unique(np.concatenate([self.times, inner])) if command else self.times
+        modes, states = self.at(times[:-1])
+        rows = np.empty((TERMS, len(times) - 1))
+        for mode in np.unique(modes):
+            some, terms = np.flatnonzero(modes == mode), [row]
+            for _ in range(TERMS - 1):
+                terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
+            rows[:, some] = np.array(terms) @ states[some].T
+        if command:
+            at = on_breaks(self.scene.command, self.scene.begin + times[:-1])
+            rows += command * derivatives_of(self.scene.command, at, TERMS - 1)
+        rows[0] -= target
+        return Pieces(times[:-1], np.diff(times), rows)

@@ -1,0 +1,108 @@
+"""A signal in polynomial pieces: its peak, and when it is outside a tolerance for the last time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from ..shaping.pieces import FloatArray, extrema
+
+TERMS = 25
+"""Of the Taylor series between the times that a run keeps: ‖A‖·h ≤ 2 there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """A signal in pieces, given by its derivatives at the start of each, (TERMS, m)."""
+
+    times: FloatArray
+    durations: FloatArray
+    rows: FloatArray
+
+    @cached_property
+    def scaled(self) -> FloatArray:
+        """Coefficients of powers of the part of a piece that has passed."""
+        powers = np.cumprod(
+            np.vstack(
+                [np.ones_like(self.durations)] + [self.durations / k for k in range(1, TERMS)]
+            ),
+            axis=0,
+        )
+        return np.asarray(self.rows * powers)
+
+    @cached_property
+    def bounds(self) -> FloatArray:
+        """What the magnitude does not exceed in each piece."""
+        return np.asarray(np.abs(self.scaled).sum(axis=0))
+
+    def peak(self) -> float:
+        """Return the largest magnitude."""
+        if not self.times.size:
+            return 0.0
+        ends = np.maximum(np.abs(self.rows[0]), np.abs(self.scaled.sum(axis=0)))
+        known = float(ends.max())
+        some = np.flatnonzero(self.bounds > known)
+        if some.size:
+            kept = self._terms(some)
+            low, high = extrema(np.ones(some.size), kept)
+            known = max(known, float(high.max()), -float(low.min()))
+        return known
+
+    def _terms(self, some: Any) -> FloatArray:
+        """Return derivatives on pieces of length 1, as many as count."""
+        scaled = self.scaled[:, some]
+        sizes = np.abs(scaled).max(axis=1)
+        count = int(np.flatnonzero(sizes > 1e-18 * sizes.max())[-1]) + 1 if sizes.max() else 1
+        factorials = np.cumprod(np.append(1.0, np.arange(1.0, count)))
+        return np.asarray(scaled[:count] * factorials[:, None])
+
+    def last_outside(self, tolerance: float) -> float:
+        """Return the last time at which the magnitude exceeds a tolerance.
+
+        0 where it never does, infinite where it does so at the end.
+        """
+        for i in np.flatnonzero(self.bounds > tolerance)[::-1]:
+            part = self._last_part_outside(self.scaled[:, i], tolerance)
+            if part is not None:
+                at_end = i == len(self.times) - 1 and part >= 1.0
+                return inf if at_end else float(self.times[i] + part * self.durations[i])
+        return 0.0
+
+    @staticmethod
+    def _last_part_outside(coefficients: FloatArray, tolerance: float) -> float | None:
+        """Return the last part of a piece with a magnitude beyond the tolerance, 1 for its end."""
+        if abs(coefficients.sum()) > tolerance:
+            return 1.0
+        roots: list[float] = []
+        for level in (tolerance, -tolerance):
+            shifted = coefficients.copy()
+            shifted[0] -= level
+            roots += _roots_between(shifted)
+        for root in sorted(roots, reverse=True):
+            before = root - 1e-9 * max(root, 1e-3)
+            if abs(np.polyval(coefficients[::-1], before)) > tolerance:
+                return root
+        return 0.0 if abs(coefficients[0]) > tolerance else None
+
+
+def _roots_between(coefficients: FloatArray) -> list[float]:
+    """Return real roots in [0, 1], polished by Newton's iteration."""
+    sizes = np.abs(coefficients)
+    count = int(np.flatnonzero(sizes > 1e-19 * sizes.max())[-1]) + 1
+    polynomial = coefficients[:count][::-1]
+    slope = np.polyder(polynomial)
+    found = []
+    for root in np.roots(polynomial):
+        x = float(root.real)
+        if abs(root.imag) > 1e-6 or not -1e-6 <= x <= 1.0 + 1e-6:
+            continue
+        for _ in range(4):
+            rate = float(np.polyval(slope, x))
+            x -= float(np.polyval(polynomial, x)) / rate if rate else 0.0
+        if 0.0 <= x <= 1.0:
+            found.append(x)
+    return found

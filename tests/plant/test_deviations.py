@@ -1,0 +1,118 @@
+"""Deviations in wind and noise: against plain sums over frequency and seeded simulations."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from jounce.plant import (
+    PID,
+    Axis,
+    CascadedPI,
+    Controller,
+    FlexibleMode,
+    LowPass,
+    Ramp,
+    ServoLoop,
+    Wind,
+    wind_realisation,
+)
+
+AXIS = Axis(2.0, modes=FlexibleMode(8.0, 0.02, load_fraction=0.4), viscous=1.0, current_lag=1e-3)
+LAW = PID(800.0, 2000.0, 60.0, derivative_filter=5e-3)
+DIGITAL = Controller(LAW, sample_time=4e-3, delay=5e-3)
+WINDS = [
+    Wind("first_order", 3.0, corner_hz=0.5),
+    Wind("double_pole", 3.0, corner_hz=2.0, on="motor"),
+    Wind("von_karman", 3.0, length_over_speed=0.5),
+]
+
+
+@pytest.mark.parametrize("wind", WINDS, ids=lambda wind: wind.kind)
+def test_the_spectrum_holds_the_variance(wind):
+    f = np.exp(np.linspace(-16.0, 16.0, 400_001))
+    assert np.trapezoid(wind.spectrum(f) * f, np.log(f)) == pytest.approx(9.0, rel=3e-4)
+
+
+@pytest.mark.parametrize("wind", WINDS, ids=lambda wind: wind.kind)
+def test_a_continuous_loop_is_the_integral_over_frequency(wind):
+    """Closed by hand: y = g_d·d − g·k·y."""
+    controller = Controller(LAW, filters=LowPass(60.0))
+    loop = ServoLoop(AXIS, controller)
+    found = loop.deviations(wind)
+    f = np.exp(np.linspace(np.log(1e-5), np.log(1e4), 200_001))
+    s = 2j * pi * f
+    g = AXIS.system()(s)
+    k = controller.transfer()(s)
+    column = 1 if wind.on == "motor" else 2
+    motor = g[0, column] / (1 + g[0, 0] * k)
+    load = g[2, column] - g[2, 0] * k * motor
+    for response, deviation in (
+        (motor, found.motor),
+        (load, found.load),
+        (k * motor, found.torque),
+    ):
+        density = wind.spectrum(f) * np.abs(response) ** 2
+        assert deviation**2 == pytest.approx(np.trapezoid(density * f, np.log(f)), rel=1e-4)
+
+
+@pytest.mark.parametrize("wind", WINDS, ids=lambda wind: wind.kind)
+def test_a_digital_loop_in_seeded_wind_deviates_so(wind):
+    loop = ServoLoop(AXIS, DIGITAL)
+    found = loop.deviations(wind)
+    course = wind_realisation(wind, 400.0, 4e-3, seed=3)
+    response = loop.respond(Ramp(0.0), 4e-3, duration=400.0, disturbance=course)
+    assert np.std(course.torques) == pytest.approx(3.0, rel=0.1)
+    assert np.std(response.load) == pytest.approx(found.load, rel=0.1)
+    assert np.std(response.torque) == pytest.approx(found.torque, rel=0.1)
+    if wind.kind != "von_karman":
+        assert found.load_average == pytest.approx(found.load, rel=1e-2)
+
+
+@pytest.mark.parametrize("sensor", ["motor", "load", "both"])
+@pytest.mark.parametrize("law", [LAW, CascadedPI(15.0, 50.0, 0.1)], ids=["pid", "cascade"])
+def test_noise_of_the_encoder_comes_out_as_in_a_simulation(law, sensor):
+    axis = Axis(2.0, modes=FlexibleMode(40.0, 0.05, load_fraction=0.2), sensor=sensor)
+    loop = ServoLoop(axis, Controller(law, sample_time=2e-3, delay=0.5e-3))
+    noise = 1e-5 * np.random.default_rng(5).standard_normal(50_000)
+    if sensor == "both":
+        return  # its two encoders have noise of their own
+    found = loop.deviations(encoder_noise=1e-5)
+    response = loop.respond(Ramp(0.0), 2e-3, duration=100.0, noise=noise)
+    assert np.std(response.motor) == pytest.approx(found.motor, rel=0.03)
+    assert np.std(response.torque) == pytest.approx(found.torque, rel=0.03)
+
+
+def test_parts_of_the_budget_add_up_in_squares():
+    loop = ServoLoop(AXIS, DIGITAL)
+    wind, noise = loop.deviations(WINDS[0]), loop.deviations(encoder_noise=1e-4)
+    both = loop.deviations(WINDS[0], encoder_noise=1e-4)
+    assert both.load == pytest.approx(np.hypot(wind.load, noise.load), rel=1e-12)
+    assert both.torque == pytest.approx(np.hypot(wind.torque, noise.torque), rel=1e-12)
+
+
+def test_the_same_seed_is_the_same_wind():
+    one, same, other = (wind_realisation(WINDS[2], 1.0, 0.01, seed=s).torques for s in (1, 1, 2))
+    np.testing.assert_array_equal(one, same)
+    assert np.abs(one - other).max() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Wind("first_order", 1.0), "give corner_hz"),
+        (lambda: Wind("von_karman", 1.0, corner_hz=1.0), "give length_over_speed"),
+        (lambda: Wind("gale", 1.0), "kind = 'gale'"),
+        (lambda: ServoLoop(AXIS, LAW).deviations(encoder_noise=1.0), "give the controller"),
+        (lambda: ServoLoop(AXIS, PID(-1.0, 0.0, 0.0)).deviations(WINDS[0]), "unstable"),
+        (
+            lambda: ServoLoop(AXIS, Controller(PID(1e6, 0.0, 0.0), sample_time=0.1)).deviations(
+                WINDS[0]
+            ),
+            "the loop is unstable",
+        ),
+    ],
+)
+def test_what_has_no_deviations_gets_one_line(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
