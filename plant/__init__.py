@@ -1,9 +1,20 @@
 """Plants, controllers and loops as python-control systems, and their exact responses."""
 
+from .anti_windup import BackCalculation, Clamp
+from .axis import Axis, as_axis, chain_axis, system_axis
 from .blocks import filter_system
-from .feedforward import InertiaFeedforward
+from .cascade import CascadedPI
+from .closed_systems import Sensitivity
+from .commands import Ramp, Sine
+from .controller import Controller, as_controller
+from .disturbances import SampledTorque, TorqueSine, TorqueSteps, Wind
+from .feedforward import Feedforward, InertiaFeedforward
+from .filters import LeadLag, LowPass, Notch
 from .flexible_inertia import FlexibleInertia
+from .flexible_mode import FlexibleMode
+from .friction import Friction
 from .inertia import Inertia
+from .inverse import inverse_feedforward, low_frequency_feedforward
 from .pid import PID, design_pid, printed_pid
 from .respond import respond
 from .sampled import zero_order_hold
@@ -11,15 +22,39 @@ from .servo_loop import LoopResponse, ServoLoop
 
 __all__ = [
     "PID",
+    "Axis",
+    "BackCalculation",
+    "CascadedPI",
+    "Clamp",
+    "Controller",
+    "Feedforward",
     "FlexibleInertia",
+    "FlexibleMode",
+    "Friction",
     "Inertia",
     "InertiaFeedforward",
+    "LeadLag",
     "LoopResponse",
+    "LowPass",
+    "Notch",
+    "Ramp",
+    "SampledTorque",
+    "Sensitivity",
     "ServoLoop",
+    "Sine",
+    "TorqueSine",
+    "TorqueSteps",
+    "Wind",
+    "as_axis",
+    "as_controller",
+    "chain_axis",
     "design_pid",
     "filter_system",
+    "inverse_feedforward",
+    "low_frequency_feedforward",
     "printed_pid",
     "respond",
+    "system_axis",
     "zero_order_hold",
 ]
 

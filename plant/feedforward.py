@@ -1,11 +1,19 @@
-"""Inertia feedforward: the torque that the commanded acceleration needs."""
+"""Feedforward: the torque, and the shift of position, that derivatives of the command need."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
-from ..shaping.checks import finite
+import numpy as np
+
+from ..shaping.checks import finite, whole
+from ..shaping.derivatives import derivative_number
+from ..shaping.frozen import Frozen
+from ..shaping.pieces import MAX_ORDER, FloatArray
+from ..shaping.real_numbers import shown
 from .linear_system import static_gain
 
 if TYPE_CHECKING:
@@ -45,3 +53,105 @@ class InertiaFeedforward:
 
         f = [self.J_hat, 0.0, 0.0]
         return control.tf(f, [1.0], inputs=["r"], outputs=["u_feedforward"], name="feedforward")
+
+
+def _nothing() -> Mapping[int, float]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Feedforward(Frozen):
+    """Feedforward of any derivatives of the command r.
+
+        u_feedforward = Σ_k torque[k]·r^(k) + friction·sign(ṙ),
+        e = r + Σ_k position[k]·r^(k) − y.
+
+    Parameters
+    ----------
+    torque : mapping from int or str to float, optional
+        By derivative, number or name: {"velocity": B, "acceleration": J, "snap": s}, which is
+        {1: B, 2: J, 4: s}.
+    position : mapping from int or str to float, optional
+        What a flexible axis's motor has to be ahead of the load, {2: q}.
+    friction : float, optional
+        Torque ≥ 0 in the direction of the command; 0 where the command stands still. More than
+        the axis's own Coulomb friction makes a limit cycle.
+    lead : float, optional
+        Time by which a digital controller's torque feedforward looks ahead, ≥ 0. What makes up
+        for a delay τ and the hold is τ + sample_time/2.
+
+    Examples
+    --------
+    >>> Feedforward({1: 0.5, "acceleration": 2.0}).order
+    2
+    """
+
+    torque: Mapping[int, float] = field(default_factory=_nothing)
+    _: KW_ONLY
+    position: Mapping[int, float] = field(default_factory=_nothing)
+    friction: float = 0.0
+    lead: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("torque", "position"):
+            object.__setattr__(self, name, _gains(name, getattr(self, name)))
+        for name in ("friction", "lead"):
+            value = finite(name, getattr(self, name))
+            if value < 0.0:
+                raise ValueError(f"{name} = {value!r}: expected a number ≥ 0")
+            object.__setattr__(self, name, value)
+
+    def __hash__(self) -> int:
+        kept = (self.torque.items(), self.position.items())
+        return hash((*map(frozenset, kept), self.friction, self.lead))
+
+    @property
+    def order(self) -> int:
+        """Highest derivative of the command that must be finite."""
+        return max([0, *self.torque, *self.position])
+
+    def torque_gains(self, highest: int) -> FloatArray:
+        """Return torque per derivative 0 … highest."""
+        return np.array([self.torque.get(k, 0.0) for k in range(highest + 1)])
+
+    def position_gains(self, highest: int) -> FloatArray:
+        """Return the reference's gain of derivatives 0 … highest, that of the command 1."""
+        gains = np.array([self.position.get(k, 0.0) for k in range(highest + 1)])
+        gains[0] += 1.0
+        return gains
+
+    def transfer(self) -> control.TransferFunction:
+        """Return f(s) = Σ torque[k]·s^k from r to u (improper)."""
+        import control
+
+        f = self.torque_gains(self.order)[::-1]
+        return control.tf(f, [1.0], inputs=["r"], outputs=["u_feedforward"], name="feedforward")
+
+
+def as_feedforward(feedforward: Any) -> Feedforward:
+    """Return any feedforward, or none, as a Feedforward."""
+    if feedforward is None:
+        return Feedforward()
+    if isinstance(feedforward, InertiaFeedforward):
+        return Feedforward({2: feedforward.J_hat} if feedforward.J_hat else {})
+    if isinstance(feedforward, Feedforward):
+        return feedforward
+    raise TypeError(
+        f"feedforward = {shown(feedforward)}: expected InertiaFeedforward, Feedforward or None"
+    )
+
+
+def _gains(name: str, given: Any) -> Mapping[int, float]:
+    """Return gains by number of the derivative, in order, read-only."""
+    if not isinstance(given, Mapping):
+        raise TypeError(
+            f"{name} = {shown(given)}: expected a mapping from derivatives to gains, such as "
+            "{'acceleration': J}"
+        )
+    gains: dict[int, float] = {}
+    for key, value in given.items():
+        k = whole(name, derivative_number(key), 0 if name == "torque" else 1, MAX_ORDER)
+        if k in gains:
+            raise ValueError(f"{name} gives derivative {k} twice: once by number, once by name")
+        gains[k] = finite(f"{name}[{key!r}]", value)
+    return MappingProxyType(dict(sorted(gains.items())))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from math import atan2, cos, degrees, inf, isfinite, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING, Literal
 
@@ -24,7 +24,7 @@ Rate = Literal["measured", "differenced"]
 
 @dataclass(frozen=True)
 class PID:
-    """Ideal PID controller, u = kp·e + ki·∫e dt + kr·ė.
+    """PID controller, u = kp·e + ki·∫e dt + kr·ė; ideal, or with a filter of the rate.
 
     Parameters
     ----------
@@ -34,6 +34,8 @@ class PID:
         Integral gain, torque per position and time.
     kr : float
         Rate (derivative) gain, torque per velocity.
+    derivative_filter : float, optional
+        Time constant T_f ≥ 0: in place of ė it is ė_f that acts, T_f·ė_f′ = ė − ė_f.
 
     Notes
     -----
@@ -44,33 +46,44 @@ class PID:
     kp: float
     ki: float
     kr: float
+    _: KW_ONLY
+    derivative_filter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("kp", "ki", "kr"):
+        for name in ("kp", "ki", "kr", "derivative_filter"):
             object.__setattr__(self, name, finite(name, getattr(self, name)))
+        if self.derivative_filter < 0.0:
+            raise ValueError(f"derivative_filter = {self.derivative_filter!r}: expected a time ≥ 0")
 
     def system(self) -> control.StateSpace:
-        """Return the python-control system (e, e_rate) → u_feedback, state ∫e."""
+        """Return the python-control system (e, e_rate) → u_feedback, state ∫e (and ė_f)."""
         import control
 
+        names, pole = ["e_integral"], 0.0
+        a, b, c, d = [[0.0]], [[1.0, 0.0]], [[self.ki]], [[self.kp, self.kr]]
+        if self.derivative_filter:
+            names, pole = ["e_integral", "e_rate_filtered"], 1.0 / self.derivative_filter
+            a, b = [[0.0, 0.0], [0.0, -pole]], [[1.0, 0.0], [0.0, pole]]
+            c, d = [[self.ki, self.kr]], [[self.kp, 0.0]]
         return control.ss(
-            [[0.0]],
-            [[1.0, 0.0]],
-            [[self.ki]],
-            [[self.kp, self.kr]],
+            *(a, b, c, d),
             inputs=["e", "e_rate"],
             outputs=["u_feedback"],
-            states=["e_integral"],
+            states=names,
             name="controller",
         )
 
     def transfer(self) -> control.TransferFunction:
-        """Return k(s) = (kr·s² + kp·s + ki)/s from e to u (improper; without ki, kr·s + kp)."""
+        """Return k(s) = kp + ki/s + kr·s/(T_f·s + 1) from e to u (improper without filter)."""
         import control
 
+        lag = self.derivative_filter
         numerator, denominator = [self.kr, self.kp, self.ki], [1.0, 0.0]
+        if lag:
+            numerator = [self.kr + self.kp * lag, self.kp + self.ki * lag, self.ki]
+            denominator = [lag, 1.0, 0.0]
         if self.ki == 0.0:
-            numerator, denominator = [self.kr, self.kp], [1.0]
+            numerator, denominator = numerator[:-1], denominator[:-1]
         return control.tf(
             numerator, denominator, inputs=["e"], outputs=["u_feedback"], name="controller"
         )
@@ -86,6 +99,8 @@ class PID:
             k(z) = kp + ki·dt·z/(z − 1) from e, and kr from e_rate,   or
             k(z) = kp + ki·dt·z/(z − 1) + kr·(z − 1)/(dt·z) from e alone.
 
+        With a filter of the rate, (T_f·D_{k−1} + dt·ė_k)/(T_f + dt) takes the place of ė_k.
+
         Parameters
         ----------
         dt : float
@@ -96,7 +111,8 @@ class PID:
         -------
         control.StateSpace
             (e, e_rate) → u_feedback with state e_integral = I_{k−1}, or e → u_feedback with the
-            further state e_past = e_{k−1}; a state whose gain is 0 is left out.
+            further state e_past = e_{k−1}; with a filter of the rate D_{k−1}, too, as
+            e_rate_filtered. A state whose gain is 0 is left out.
 
         Raises
         ------
@@ -113,26 +129,33 @@ class PID:
         dt = positive("dt", dt)
         one_of("rate", rate, ("measured", "differenced"))
         measured = rate == "measured"
-        slope = 0.0 if measured else self.kr / dt
-        direct = self.kp + self.ki * dt + slope
-        if not isfinite(direct):
+        lag = self.derivative_filter
+        slope = (dt if measured else 1.0) / (lag + dt)  # of what the rate comes from
+        direct = self.kp + self.ki * dt + (0.0 if measured else self.kr * slope)
+        if not (isfinite(direct) and isfinite(self.kr * slope)):
             raise ValueError(
                 f"dt = {dt!r}: ki·dt or kr/dt leaves the range of a double; choose other units"
             )
-        memory = [("e_integral", 1.0, dt, self.ki), ("e_past", 0.0, 1.0, -slope)]
-        memory = [state for state in memory if state[-1] != 0.0]
+        kept = lag / (lag + dt)
+        past = 0.0 if measured else -slope
+        a = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, past, kept]])
+        b = np.array([[dt, 0.0], [1.0, 0.0], [0.0, slope] if measured else [slope, 0.0]])
+        c = np.array([[self.ki, self.kr * past, self.kr * kept]])
+        names = np.array(["e_integral", "e_past", "e_rate_filtered"])
+        used = c[0] != 0.0
+        inputs = 2 if measured else 1
         matrices = (
-            np.diag([kept for _, kept, _, _ in memory]),
-            [[added, 0.0] if measured else [added] for _, _, added, _ in memory],
-            [[gain for _, _, _, gain in memory]],
-            [[direct, self.kr] if measured else [direct]],
+            a[np.ix_(used, used)],
+            b[used, :inputs],
+            c[:, used],
+            np.array([[direct, self.kr * slope]])[:, :inputs],
         )
         return linear_system(
             matrices,
             dt,
-            inputs=["e", "e_rate"] if measured else ["e"],
+            inputs=["e", "e_rate"][:inputs],
             outputs=["u_feedback"],
-            states=[name for name, _, _, _ in memory],
+            states=names[used].tolist(),
             name="controller",
         )
 

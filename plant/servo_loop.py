@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,15 +14,23 @@ from ..shaping.frozen import Frozen
 from ..shaping.jerk_filter import checked_filter
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
-from ..shaping.real_numbers import shown
 from ..shaping.trajectory import checked_trajectory
-from .feedforward import InertiaFeedforward
+from .axis import Axis, as_axis
+from .closed_systems import (
+    Sensitivity,
+    closed_system,
+    continuous_functions,
+    sampled_functions,
+)
+from .controller import Controller, as_controller
+from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
-from .linear_system import static_gain
+from .linear_system import linear_system, static_gain
+from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
 from .respond import respond_on_grid
-from .sampled import loop_behind
+from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
     import control
@@ -98,7 +106,7 @@ class LoopResponse:
 
 @dataclass(frozen=True)
 class ServoLoop(Frozen):
-    """A plant under feedback, with feedforward of the command's acceleration.
+    """A plant under feedback, with feedforward of the command's derivatives.
 
         y/r = g·(k + f)/(1 + g·k)
 
@@ -107,9 +115,11 @@ class ServoLoop(Frozen):
 
     Parameters
     ----------
-    plant : Inertia or FlexibleInertia
-    controller : PID
-    feedforward : InertiaFeedforward, optional
+    plant : Inertia, FlexibleInertia, Axis or python-control system
+        A system from torque to position.
+    controller : PID, CascadedPI or Controller
+        A law alone is a continuous controller.
+    feedforward : InertiaFeedforward or Feedforward, optional
         Default: none.
 
     References
@@ -117,56 +127,125 @@ class ServoLoop(Frozen):
     Thompson, "Snap, Crackle, and Pop", Section VII.
     """
 
-    plant: Inertia | FlexibleInertia
-    controller: PID
-    feedforward: InertiaFeedforward | None = None
+    plant: Any
+    controller: Any
+    feedforward: Any = None
 
     def __post_init__(self) -> None:
-        for name, block, kinds in (
-            ("plant", self.plant, (Inertia, FlexibleInertia)),
-            ("controller", self.controller, (PID,)),
-            ("feedforward", self._feedforward, (InertiaFeedforward,)),
-        ):
-            if not isinstance(block, kinds):
-                expected = " or ".join(kind.__name__ for kind in kinds)
-                raise TypeError(f"{name} = {shown(block)}: expected {expected}")
+        as_axis(self.plant)
+        as_controller(self.controller)
+        as_feedforward(self.feedforward)
+        if self._forward.lead and not self.is_digital:
+            raise ValueError(
+                f"lead = {self._forward.lead!r} in a continuous loop: a lead makes up for the "
+                "delay of a digital controller; leave it out"
+            )
 
-    def loop_transfer(self) -> control.TransferFunction:
-        """Return L(s) = g·k, the open loop from e to y."""
-        loop = self.plant.transfer() * self.controller.transfer()
-        return _named(loop, "e", "y", "loop")
+    @cached_property
+    def axis(self) -> Axis:
+        """The plant as an axis."""
+        return as_axis(self.plant)
+
+    @property
+    def is_digital(self) -> bool:
+        """Whether the controller runs once a sample."""
+        return self._control.sample_time is not None
+
+    @cached_property
+    def _control(self) -> Controller:
+        return as_controller(self.controller)
+
+    @cached_property
+    def _forward(self) -> Feedforward:
+        return as_feedforward(self.feedforward)
+
+    @cached_property
+    def _open(self) -> OpenLoop:
+        return open_loop(self.axis, self._control, self._forward)
+
+    @property
+    def _is_ideal(self) -> bool:
+        """Whether it is one of the ideal loops, known by polynomials."""
+        return isinstance(self.plant, Inertia | FlexibleInertia) and (
+            isinstance(self.controller, PID)
+            and not self.controller.derivative_filter
+            and isinstance(self.feedforward, InertiaFeedforward | None)
+        )
+
+    def loop_transfer(self) -> control.TransferFunction | control.StateSpace:
+        """Return L = g·k, the open loop from e to y: L(s), or L(z) of a digital controller.
+
+        L(z) is as `sampled_loop_transfer` gives it. Friction, limits and resolution are left out.
+        """
+        if self.is_digital:
+            return self.sampled_loop_transfer()
+        if self.axis.sensor == "both":
+            return self._broken_at_torque()
+        plant = self.plant if self._is_ideal else self.axis
+        return _named(plant.transfer() * self._control.transfer(), "e", "y", "loop")
+
+    def _broken_at_torque(self) -> control.StateSpace:
+        """Return the continuous loop from u to −u_feedback."""
+        o = self._open
+        n = len(o.a)
+        return linear_system(
+            (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
+            0,
+            inputs=["u"],
+            outputs=["u_feedback"],
+            states=[f"x_{i}" for i in range(n)],
+            name="loop",
+        )
 
     def closed_loop(self) -> control.TransferFunction:
-        """Return y/r = g·(k + f)/(1 + g·k), feedforward included.
+        """Return y/r = g·(k + f)/(1 + g·k) of a continuous loop, feedforward included.
 
         It is 1 where Ĵ = J on an `Inertia`.
         """
         import control
 
-        g, k, f = (block.transfer() for block in (self.plant, self.controller, self._feedforward))
+        if not self._is_ideal:
+            return self._closed_transfer()
+        g, k, f = (
+            block.transfer()
+            for block in (self.plant, self.controller, self.feedforward or InertiaFeedforward(0.0))
+        )
         (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
         forward = np.polyadd(kn, np.polymul(f.num_array[0, 0], kd))
         characteristic = np.polyadd(np.polymul(gd, kd), np.polymul(gn, kn))
         closed = control.tf(np.trim_zeros(np.polymul(gn, forward), "f"), characteristic)
         return _named(closed, "r", "y", "closed_loop")
 
-    def sampled_loop_transfer(
-        self, dt: float, *, delay: float = 0.0, rate: Rate = "measured"
-    ) -> control.StateSpace:
-        """Return L(z) of the loop under a digital PID: exact, broken at the torque.
+    def _closed_transfer(self) -> control.TransferFunction:
+        """Return y/r of any continuous loop: the sum over k of s^k times that from r^(k)."""
+        import control
 
-        The PID runs every dt on y (and y_rate) as they are at the sample; its torque takes effect
-        `delay` later and is held until the next one does. The closed loop's poles are the zeros
-        of 1 + L(z).
+        system = self.system()
+        below = np.poly(system.A)
+        total = np.zeros(1)
+        for k in range(system.ninputs):
+            column = np.poly(system.A - np.outer(system.B[:, k], system.C[0])) - below
+            total = np.polyadd(total, np.polymul(column, [1.0] + [0.0] * k))
+        closed = control.tf(np.trim_zeros(total, "f"), below)
+        return _named(closed, "r", "y", "closed_loop")
+
+    def sampled_loop_transfer(
+        self, dt: float | None = None, *, delay: float | None = None, rate: Rate = "measured"
+    ) -> control.StateSpace:
+        """Return L(z) of the loop under a digital controller: exact, broken at the torque.
+
+        A digital `Controller` has its own sample time and delay. A bare PID is run every dt on y
+        (and y_rate) as they are at the sample; its torque takes effect `delay` later and is held
+        until the next one does. The closed loop's poles are the zeros of 1 + L(z).
 
         Parameters
         ----------
         dt : float
-            Sampling time, positive.
+            Sampling time of a bare PID, positive.
         delay : float, optional
             Computing delay ≥ 0 of any length, as in `zero_order_hold`.
         rate : "measured" or "differenced", optional
-            Where the controller's rate comes from, as in `PID.sampled`.
+            Where a bare PID's rate comes from, as in `PID.sampled`.
 
         Returns
         -------
@@ -176,7 +255,8 @@ class ServoLoop(Frozen):
         Raises
         ------
         ValueError
-            As `zero_order_hold` and `PID.sampled` do.
+            As `zero_order_hold` and `PID.sampled` do, or for a dt or delay beside those of a
+            digital controller.
 
         Examples
         --------
@@ -185,23 +265,70 @@ class ServoLoop(Frozen):
         >>> round(float(abs(sampled.feedback().poles()).max()), 3)
         0.805
         """
-        return loop_behind(self.plant.system(), self.controller.sampled(dt, rate=rate), delay)
+        if self.is_digital:
+            if dt is not None or delay is not None:
+                raise ValueError(
+                    f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
+                    f"sample_time = {self._control.sample_time!r} and delay = "
+                    f"{self._control.delay!r}; leave them out, or replace(controller, …)"
+                )
+            return loop_behind(self._held_plant(), self._control.sampled(), self._control.delay)
+        if dt is None:
+            raise ValueError("a continuous controller has no samples: give dt = …")
+        if not isinstance(self.controller, PID):
+            raise ValueError("a continuous controller: give Controller(…, sample_time=dt) for L(z)")
+        plant = self.plant.system() if self._is_ideal else self._rates_plant()
+        return loop_behind(plant, self.controller.sampled(dt, rate=rate), delay or 0.0)
 
-    @property
-    def _feedforward(self) -> InertiaFeedforward:
-        return InertiaFeedforward(0.0) if self.feedforward is None else self.feedforward
+    def _held_plant(self) -> control.StateSpace:
+        """Return the plant from u to what position and velocity are taken from."""
+        return self._plant_rows("y", "y" if self.axis.sensor != "both" else "y_motor")
+
+    def _rates_plant(self) -> control.StateSpace:
+        return self._plant_rows("y", "y_rate")
+
+    def _plant_rows(self, *names: str) -> control.StateSpace:
+        whole = self.axis.system()
+        rows = [whole.output_labels.index(name) for name in names]
+        return linear_system(
+            (whole.A, whole.B[:, :1], whole.C[rows], whole.D[rows, :1]),
+            0,
+            inputs=["u"],
+            outputs=[f"seen_{i}" for i in range(len(rows))],
+            states=whole.state_labels,
+            name="plant",
+        )
+
+    def sensitivity(self) -> Sensitivity:
+        """Return S, T, PS and CS of the linear loop; of a digital one at the samples.
+
+        There PS is the response to a torque that is held from sample to sample.
+        """
+        axis, controller = self.axis, self._control
+        if controller.sample_time is None:
+            if axis.sensor == "both":
+                raise ValueError(
+                    "a continuous loop with two encoders has no one g and k: give the controller a "
+                    "sample time, or one encoder"
+                )
+            plant = self.plant if self._is_ideal else axis
+            return continuous_functions(plant.transfer(), controller.transfer())
+        held = zero_order_hold(self._held_plant(), controller.sample_time, delay=controller.delay)
+        return sampled_functions(held, controller.sampled(), one_encoder=axis.sensor != "both")
 
     @cached_property
     def _interconnection(self) -> control.StateSpace:
         import control
 
+        if not self._is_ideal:
+            return closed_system(self.axis, self._open)
         plant = self.plant.system()
         outputs = ["y", "e", "u", *plant.output_labels[2:]]
         return control.interconnect(
             [
                 plant,
                 self.controller.system(),
-                self._feedforward.system(),
+                (self.feedforward or InertiaFeedforward(0.0)).system(),
                 _sum([1.0, -1.0], ["r", "y"], "e"),
                 _sum([1.0, -1.0], ["r_rate", "y_rate"], "e_rate"),
                 _sum([1.0, 1.0], ["u_feedback", "u_feedforward"], "u"),
@@ -216,11 +343,18 @@ class ServoLoop(Frozen):
     def system(self) -> control.StateSpace:
         """Return the interconnected loop (r, r_rate, r_acceleration) → (y, e, u).
 
-        With a `FlexibleInertia` the outputs go on with y_load and twist.
+        With a `FlexibleInertia` the outputs go on with y_load and twist. Of an `Axis` they are y,
+        e, u, y_load, y_motor and torque, and the inputs go up to the derivative that controller
+        and feedforward take: r, r_rate, r_acceleration, r_jerk, …
 
         The ideal PID needs the command's velocity and the feedforward its acceleration; both
         come from the shaper, so every block is proper and nothing is differentiated.
         """
+        if self.is_digital:
+            raise ValueError(
+                "a digital controller makes no system in continuous time: use respond(), "
+                "loop_transfer() or sensitivity()"
+            )
         return self._interconnection
 
     def respond(

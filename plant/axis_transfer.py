@@ -1,0 +1,75 @@
+"""Polynomials of an axis from torque to measured position, from its matrices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..shaping.pieces import FloatArray
+
+if TYPE_CHECKING:
+    from .axis import Axis
+
+_NOTHING = 1e-13  # of the largest coefficient, in the axis's own unit of time
+
+
+def transfer_polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of g(s), highest power first, the lag included.
+
+    The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
+    give the coefficients to rounding; those that are rounding alone are 0.
+    """
+    import control
+
+    if axis.body is not None and hasattr(axis.body, "system"):
+        own = control.tf(axis.body.system)
+        numerator, denominator = own.num_array[0, 0], own.den_array[0, 0]
+    else:
+        numerator, denominator = _polynomials(axis)
+    return numerator, np.polymul([axis.current_lag, 1.0], denominator) if (
+        axis.current_lag
+    ) else denominator
+
+
+def _polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
+    m = axis.mechanics
+    size = len(m.mass)
+    mean = axis.J  # determinants in units of J
+    mass, damping, stiffness = m.mass / mean, m.damping / mean, m.stiffness / mean
+    unit = _unit(mass, damping, stiffness)
+    row = m.load if axis.sensor != "motor" else np.eye(size)[0]
+    points = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))
+    dynamic = [mass * s * s + damping * s + stiffness for s in points]
+    whole = np.array([np.linalg.det(matrix) for matrix in dynamic])
+    seen = np.array([row @ _first_cofactors(matrix) for matrix in dynamic])
+    above, below = _coefficients(seen, unit), _coefficients(whole, unit)
+    if not axis.spring:
+        below[0] = 0.0
+        if not (axis.viscous or axis.load_viscous):
+            below[1] = 0.0
+    return np.trim_zeros(above[::-1], "f"), mean * np.trim_zeros(below[::-1], "f")
+
+
+def _unit(*matrices: FloatArray) -> float:
+    """Return a frequency about which the axis swings, 1 if it does not."""
+    mass, _, stiffness = matrices
+    lines = np.diag(stiffness) / np.diag(mass)
+    lines = lines[lines > 0.0]
+    return float(np.exp(0.5 * np.log(lines).mean())) if lines.size else 1.0
+
+
+def _first_cofactors(matrix: FloatArray) -> FloatArray:
+    """Return the first column of the adjugate."""
+    size = len(matrix)
+    cofactors = [
+        (-1.0) ** i * np.linalg.det(np.delete(np.delete(matrix, 0, 0), i, 1)) for i in range(size)
+    ]
+    return np.array(cofactors)
+
+
+def _coefficients(values: FloatArray, unit: float) -> FloatArray:
+    """Return the real coefficients, lowest power first, of a polynomial given on a circle."""
+    scaled = (np.fft.fft(values) / len(values)).real
+    scaled[abs(scaled) <= _NOTHING * abs(scaled).max()] = 0.0
+    return np.asarray(scaled / unit ** np.arange(len(values)))

@@ -1,0 +1,110 @@
+"""Closed loops as python-control systems: the whole loop, and S, T, PS and CS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..shaping.derivatives import DERIVATIVE_NAMES
+from ..shaping.pieces import FloatArray
+from .axis import Axis
+from .linear_system import linear_system
+from .open_loop import OpenLoop
+
+if TYPE_CHECKING:
+    import control
+
+
+class Sensitivity(NamedTuple):
+    """The four transfer functions of a closed loop.
+
+    Attributes
+    ----------
+    S, T : python-control systems
+        1/(1 + L) and L/(1 + L), broken at the torque.
+    PS : python-control system
+        From a disturbing torque on the motor to the measured position.
+    CS : python-control system
+        From an error of the measured position to the torque, with the sign turned.
+    """
+
+    S: Any
+    T: Any
+    PS: Any
+    CS: Any
+
+
+def closed_system(axis: Axis, loop: OpenLoop) -> control.StateSpace:
+    """Return the continuous loop from the command's derivatives to what it shows."""
+    a, fed = loop.closed()
+    n, inputs = len(a), fed.shape[1]
+    d = axis.dynamics
+    position = d.motor if axis.sensor == "motor" else d.load
+    shown = [_wide(position, n), loop.error[:n], loop.asked[:n]]
+    shown += [_wide(row, n) for row in (d.load, d.motor, d.torque[:-1])]
+    direct = np.zeros((6, inputs))
+    direct[1], direct[2] = loop.error[n:], loop.asked[n:]
+    if d.torque[-1]:
+        shown[5], direct[5] = loop.asked[:n], loop.asked[n:]
+    return linear_system(
+        (a, fed, shown, direct),
+        0,
+        inputs=[_signal(k) for k in range(inputs)],
+        outputs=["y", "e", "u", "y_load", "y_motor", "torque"],
+        states=[*d.names, *(f"controller_{i}" for i in range(n - d.size))],
+        name="servo_loop",
+    )
+
+
+def _signal(k: int) -> str:
+    if k < 2:
+        return ("r", "r_rate")[k]
+    return f"r_{DERIVATIVE_NAMES[k] if k < len(DERIVATIVE_NAMES) else k}"
+
+
+def _wide(row: FloatArray, n: int) -> FloatArray:
+    return np.pad(row, (0, n - len(row)))
+
+
+def continuous_functions(g: Any, k: Any) -> Sensitivity:
+    """Return the four of g(s) and k(s), improper ones as they are."""
+    import control
+
+    (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
+    around, straight = np.polymul(gd, kd), np.polymul(gn, kn)
+    whole = np.polyadd(around, straight)
+    return Sensitivity(
+        control.tf(around, whole, name="S"),
+        control.tf(straight, whole, name="T"),
+        control.tf(np.polymul(gn, kd), whole, name="PS"),
+        control.tf(np.polymul(gd, kn), whole, name="CS"),
+    )
+
+
+def sampled_functions(
+    held: control.StateSpace, controller: control.StateSpace, *, one_encoder: bool
+) -> Sensitivity:
+    """Return the four of a held plant u → (y, y_motor) and what a controller does in a sample."""
+    a, b, c = (np.asarray(matrix) for matrix in (held.A, held.B, held.C))
+    ac, bc, cc, dc = (np.asarray(getattr(controller, name)) for name in "ABCD")
+    noisy = np.array([[1.0], [1.0 if one_encoder else 0.0]])
+    asked = np.hstack([-dc @ c, cc])  # u_feedback over the states
+    whole = np.block([[a, np.zeros((len(a), len(ac)))], [-bc @ c, ac]])
+    drive = np.vstack([b, np.zeros((len(ac), 1))])
+    closed = whole + drive @ asked
+    noise = np.vstack([-b @ dc @ noisy, -bc @ noisy])
+    seen = np.hstack([c[:1], np.zeros((1, len(ac)))])
+
+    def function(name: str, inputs: FloatArray, row: FloatArray, direct: Any) -> Any:
+        matrices = (closed, inputs, row, direct)
+        states = [f"x_{i}" for i in range(len(closed))]
+        signals = {"inputs": [f"into_{name}"], "outputs": [name]}
+        return linear_system(matrices, held.dt, **signals, states=states, name=name)
+
+    return Sensitivity(
+        function("S", drive, asked, [[1.0]]),
+        function("T", drive, -asked, [[0.0]]),
+        function("PS", drive, seen, [[0.0]]),
+        function("CS", noise, -asked, dc @ noisy),
+    )
