@@ -13,7 +13,7 @@ Real = NDArray[np.float64]
 
 _STEP = 0.5  # no gain changes by more than this part of itself in one program
 _MOST = 200
-_CONVERGED = 1e-9
+_CONVERGED = 1e-8
 
 
 class Circle(NamedTuple):

@@ -16,8 +16,9 @@ from ..plant.frequency_points import frequency_points
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
 
-_EXCESS = 1e-6  # by how much a peak may pass its bound between the points, relative
-_ROUNDS = 20
+_EXCESS = 1e-5  # by how much a peak may pass its bound between the points, relative
+_ROUNDS = 30
+_AROUND = np.linspace(-1.0, 1.0, 61)
 _SHAPES = ((0.35, 0.02), (0.82, 0.15), (0.2, 0.005), (1e-3, 1e-7))
 """Starts: kp and ki of a double integrator with unit crossover and kr."""
 
@@ -120,7 +121,7 @@ def tune_pid(
     Returns
     -------
     TunedPID
-        Both peaks are kept to 1e-6, by `loop_margins`, which has them between all points.
+        Both peaks are kept to 1e-5, by `loop_margins`, which has them between all points.
 
     Raises
     ------
@@ -244,7 +245,8 @@ def _passed(margins: LoopMargins, around: tuple[Circle, ...]) -> list[float]:
 
 
 def _beside(place: float) -> Real:
-    return place * (1.0 + np.linspace(-1e-2, 1e-2, 21) ** 3 * 1e4 * 1e-2)
+    """Return places around a peak, as far as the next points of a grid and then some."""
+    return np.concatenate([place * (1.0 + width * _AROUND) for width in (0.03, 1e-4)])
 
 
 def _back_inside(
