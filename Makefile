@@ -7,7 +7,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses=auto
 INSTALL := -m pip install --quiet --disable-pip-version-check --editable
 
 # What a release of a dependency can break: a part of the tests that calls all of them.
-BROAD := tests/test_packaging.py tests/shaping/test_public_names.py \
+BROAD := tests/test_packaging.py tests/test_public_names.py \
 	tests/shaping/optimal/test_linear_program.py tests/plant/test_linear_system.py \
 	tests/fmu/cosimulation tests/app/gate tests/app/test_command_line.py \
 	tests/app/test_raw_output.py tests/app/test_units.py

@@ -1,4 +1,4 @@
-"""The largest integral gain under bounds on |S| and |T| at given frequencies, by linear programs."""
+"""The largest integral gain under bounds on |S| and |T| at given frequencies."""
 
 from __future__ import annotations
 

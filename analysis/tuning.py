@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from ..plant import PID, Controller, ServoLoop
+from ..plant import PID, Controller
+from ..plant.frequency_points import frequency_points
+from ..plant.open_gains import OpenGains
 from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
-from ..plant.frequency_points import frequency_points
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
 
@@ -56,32 +57,6 @@ class TunedPID(Frozen):
             f"|T| ≤ {reached.complementary_peak:.4g} at {reached.complementary_peak_hz:.4g} Hz, "
             f"crossover {reached.crossover_hz:.4g} Hz"
         )
-
-
-@dataclass(frozen=True)
-class _Loop:
-    """A loop whose gains are still open."""
-
-    plant: Any
-    controller: Controller
-    delay: float
-
-    def system(self, gains: Real) -> Any:
-        law = self.controller.law
-        assert isinstance(law, PID)
-        kp, ki, kr = gains.tolist()
-        pid = replace(law, kp=kp, ki=ki, kr=kr)
-        return ServoLoop(self.plant, replace(self.controller, law=pid)).loop_transfer()
-
-    def margins(self, gains: Real) -> LoopMargins:
-        return loop_margins(self.system(gains), delay=self.delay)
-
-    def terms(self, omega: Real) -> Complex:
-        """Return what kp, ki and kr are multiplied by in L, (N, 3)."""
-        dt = self.controller.sample_time
-        places = 1j * omega if dt is None else np.exp(1j * omega * dt)
-        columns = [self.system(unit)(places) for unit in np.eye(3)]
-        return np.stack(columns, axis=1) * np.exp(-1j * omega * self.delay)[:, None]
 
 
 def tune_pid(
@@ -158,10 +133,14 @@ def tune_pid(
         sample_time=sample_time,
         delay=delay if digital else 0.0,
     )
-    loop = _Loop(plant, controller, 0.0 if digital else delay)
+    loop = OpenGains(plant, controller, 0.0 if digital else delay)
     omega = frequency_points(loop.system(np.ones(3)), loop.delay)
     gains = _start(loop, omega, around)
     return _tuned(loop, omega, gains, around)
+
+
+def _margins(loop: OpenGains, gains: Real) -> LoopMargins:
+    return loop_margins(loop.system(gains), delay=loop.delay)
 
 
 def _above_one(name: str, bound: float) -> float:
@@ -174,7 +153,7 @@ def _above_one(name: str, bound: float) -> float:
     return number
 
 
-def _start(loop: _Loop, omega: Real, around: tuple[Circle, ...]) -> Real:
+def _start(loop: OpenGains, omega: Real, around: tuple[Circle, ...]) -> Real:
     """Return gains that keep the bounds, of a stable loop: the largest ki that is tried."""
     terms = loop.terms(omega)
     double = abs(terms[:, 2]) * omega  # |k|·ω² of G = 1/(J·s²): constant over ω
@@ -185,14 +164,14 @@ def _start(loop: _Loop, omega: Real, around: tuple[Circle, ...]) -> Real:
             tried.append((clearance(terms @ gains, around), gains))
     kept = sorted((found for found in tried if found[0] >= 0.0), key=lambda f: -f[1][1])
     for _, gains in kept:
-        if loop.margins(gains).stable:
+        if _margins(loop, gains).stable:
             return gains
     nearest = max(tried, key=lambda found: found[0])[1]
     raise _unreachable(loop, nearest)
 
 
-def _unreachable(loop: _Loop, nearest: Real) -> ValueError:
-    margins = loop.margins(nearest)
+def _unreachable(loop: OpenGains, nearest: Real) -> ValueError:
+    margins = _margins(loop, nearest)
     reached = (
         f"the nearest has |S| up to {margins.sensitivity_peak:.3g} and |T| up to "
         f"{margins.complementary_peak:.3g}"
@@ -206,7 +185,7 @@ def _unreachable(loop: _Loop, nearest: Real) -> ValueError:
     )
 
 
-def _tuned(loop: _Loop, omega: Real, gains: Real, around: tuple[Circle, ...]) -> TunedPID:
+def _tuned(loop: OpenGains, omega: Real, gains: Real, around: tuple[Circle, ...]) -> TunedPID:
     """Return the optimum, the grid refined where a peak passes its bound between the points."""
     programs = 0
     for _ in range(_ROUNDS):
@@ -214,14 +193,10 @@ def _tuned(loop: _Loop, omega: Real, gains: Real, around: tuple[Circle, ...]) ->
         programs += found.programs
         if not found.at_rest:
             break
-        margins = loop.margins(found.gains)
+        margins = _margins(loop, found.gains)
         passed = _passed(margins, around)
         if margins.stable and not passed:
-            tuned = loop.controller.law
-            assert isinstance(tuned, PID)
-            kp, ki, kr = found.gains.tolist()
-            law = replace(tuned, kp=kp, ki=ki, kr=kr)
-            return TunedPID(replace(loop.controller, law=law), margins, programs)
+            return TunedPID(loop.with_gains(found.gains), margins, programs)
         omega = np.sort(np.concatenate([omega, *(_beside(place) for place in passed)]))
         gains = _back_inside(loop.terms(omega), gains, found.gains, around)
     raise ValueError(
@@ -249,9 +224,7 @@ def _beside(place: float) -> Real:
     return np.concatenate([place * (1.0 + width * _AROUND) for width in (0.03, 1e-4)])
 
 
-def _back_inside(
-    terms: Complex, before: Real, after: Real, around: tuple[Circle, ...]
-) -> Real:
+def _back_inside(terms: Complex, before: Real, after: Real, around: tuple[Circle, ...]) -> Real:
     """Return gains between a start that keeps the bounds and an end that nearly does."""
     share = 1.0
     while share > 1e-6:

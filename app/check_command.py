@@ -14,7 +14,7 @@ import typer
 
 if TYPE_CHECKING:
     from .gate import GateReport
-    from .gate.formats import BadInput
+    from .gate.ci_reports import BadInput
 
     Outcomes: TypeAlias = Sequence[GateReport | BadInput]
 
@@ -90,7 +90,7 @@ def check_command(
     What is asked and given (plant, specification, moves with their limits, filter and
     tolerances, modes) must be as it was stored.
     """
-    from .gate.formats import BadInput, github_error, tally
+    from .gate.ci_reports import BadInput, github_error, tally
     from .gate.scenario_files import scenario_files
     from .overrides import read_overrides
     from .printing import message_of, print_parts
@@ -131,7 +131,7 @@ def _outcome(
     path: Path, files: _Files, overrides: Mapping[str, Any], *, update: bool
 ) -> GateReport | BadInput:
     from .gate import check_scenario
-    from .gate.formats import BadInput
+    from .gate.ci_reports import BadInput
     from .printing import message_of
 
     try:
@@ -148,8 +148,8 @@ def _outcome(
 
 def _write(outcomes: Outcomes, files: _Files) -> list[Path]:
     """Write baselines that are to be updated and the JUnit file, all or none; return which."""
-    from .gate.formats import BadInput
-    from .output import write_files
+    from .gate.ci_reports import BadInput
+    from .result_files import write_files
 
     if all(isinstance(outcome, BadInput) for outcome in outcomes):
         _replace_junit(outcomes, files)
@@ -166,14 +166,14 @@ def _write(outcomes: Outcomes, files: _Files) -> list[Path]:
 
 def _replace_junit(outcomes: Outcomes, files: _Files) -> None:
     """Put bad input in the place of an earlier run's JUnit file, if that can be written."""
-    from .output import write_files
+    from .result_files import write_files
 
     with suppress(ValueError, OSError):  # the error itself is what to tell
         write_files(_junit_writer(outcomes, files))
 
 
 def _junit_writer(outcomes: Outcomes, files: _Files) -> dict[Path, Callable[[Path], object]]:
-    from .gate.formats import junit_text
+    from .gate.ci_reports import junit_text
 
     junit = files.junit
     if junit is None:
@@ -188,7 +188,7 @@ def _junit_writer(outcomes: Outcomes, files: _Files) -> dict[Path, Callable[[Pat
 def _print(
     outcome: GateReport | BadInput, output: CheckFormat, *, everything: bool, several: bool
 ) -> None:
-    from .gate.formats import BadInput, github_error, github_lines
+    from .gate.ci_reports import BadInput, github_error, github_lines
     from .gate.report import GateTable, heading, shown_rows, summary
     from .printing import print_parts
 

@@ -36,7 +36,7 @@ app.add_typer(export_app, name="export")
 
 def main() -> None:
     """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
-    from ..analysis.survey import UnstableLoopError
+    from ..analysis.loop_survey import UnstableLoopError
 
     if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
         sys.stdout.reconfigure(errors="replace")
@@ -80,10 +80,10 @@ def survey_command(
     overrides: OVERRIDES = None,
 ) -> None:
     """Print a loop's margins, design check and moves; write them with pictures to a folder."""
-    from .output import write_survey
     from .overrides import read_overrides
-    from .report import survey_tables
+    from .result_files import write_survey
     from .scenario_survey import survey_file
+    from .survey_report import survey_tables
 
     found = survey_file(scenario, overrides=read_overrides(overrides or ()))
     files = write_survey(found, output)
@@ -136,7 +136,7 @@ def plan_command(
 ) -> None:
     """Plan the fastest move between rests: its duration, its peaks and what limits them."""
     from .plan import plan_move
-    from .report import certificate_table, plan_tables
+    from .plan_report import certificate_table, plan_tables
 
     _refuse_extra([distance, *context.args])
     named = (velocity, acceleration, jerk, snap, crackle, pop)
@@ -185,8 +185,8 @@ def _limit(text: str) -> tuple[int, str]:
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
-    from .output import check_picture, save_figure, write_files, write_rows
-    from .report import switch_rows
+    from .plan_report import switch_rows
+    from .result_files import check_picture, save_figure, write_files, write_rows
 
     writers: dict[Path, Callable[[Path], object]] = {}
     if csv is not None:

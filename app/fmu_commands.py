@@ -133,7 +133,7 @@ def _platforms(given: Sequence[str] | None) -> list[str] | None:
 
 
 def _file_name(scenario: Path, block: BlockChoice, move: str | None) -> str:
-    from .output import slug
+    from .result_files import slug
 
     parts = [scenario.stem, block.value] + ([] if move is None else [slug(move)])
     return "_".join(parts) + (".ssp" if block is BlockChoice.LOOP else ".fmu")

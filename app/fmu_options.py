@@ -64,7 +64,7 @@ def check_readable(file: Path) -> None:
 
 def check_files(file: Path, given: Mapping[str, Path | None], inputs: Path | None) -> None:
     """Refuse, before anything is run, files to be written that cannot be what they are to be."""
-    from .output import check_picture
+    from .result_files import check_picture
 
     written: dict[Path, str] = {}
     for option, path in given.items():

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
 from numbers import Integral
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
+
+from .tables import plain_table
 
 if TYPE_CHECKING:
     from ..fmu.cosimulation.cosimulation_result import CosimulationResult
@@ -41,13 +42,13 @@ def ssp_tables(plan: SspPlan) -> list[Table | str]:
     """Return the tables of what an SSP says: components, what they are given, connections."""
     structure = plan.structure
     settings, notes = plan.settings({})
-    parts = _table(f"{structure.name}: SSP of {len(plan.descriptions)} FMUs", *_COMPONENT)
+    parts = plain_table(f"{structure.name}: SSP of {len(plan.descriptions)} FMUs", *_COMPONENT)
     for name, description in plan.descriptions.items():
         given = ", ".join(f"{key} = {_shown(value)}" for key, value in settings[name].items())
         binaries = ", ".join(description.platforms) or "none"
         cells = (name, description.model_name, description.fmi_version, binaries, given)
         parts.add_row(*map(Text, cells))
-    links = _table("Connections", "from", "to", "gain", "offset")
+    links = plain_table("Connections", "from", "to", "gain", "offset")
     rows = plan.links()
     for source, target, gain, offset in rows:
         links.add_row(Text(source), Text(target), f"{gain:.9g}", f"{offset:.9g}")
@@ -60,7 +61,7 @@ def run_table(result: CosimulationResult, names: Iterable[str], units: Mapping[s
     """Return where each signal of a run starts, ends and lies between."""
     time = result.time
     title = f"From {time[0]:.6g} s to {time[-1]:.6g} s in {len(time) - 1} steps"
-    table = _table(title, "", "start", "end", "least", "greatest", "unit")
+    table = plain_table(title, "", "start", "end", "least", "greatest", "unit")
     for name in names:
         values = result[name]
         peak = np.abs(values.astype(float)).max()
@@ -105,7 +106,7 @@ def _summary(description: FmuDescription) -> Table:
         "variables": str(len(description.variables)),
         "sha256": description.sha256,
     }
-    table = _table(f"{description.model_name}: FMI {description.fmi_version}", "", "")
+    table = plain_table(f"{description.model_name}: FMI {description.fmi_version}", "", "")
     table.columns[1].justify, table.show_header = "left", False
     for key, value in rows.items():
         if value:
@@ -123,7 +124,7 @@ def _kind(description: FmuDescription) -> str:
 
 
 def _variables(title: str, variables: Iterable[FmuVariable]) -> Table:
-    table = _table(title, "", "start", "min", "max", "unit", "varies", "type", "description")
+    table = plain_table(title, "", "start", "min", "max", "unit", "varies", "type", "description")
     for column in table.columns[4:]:
         column.justify = "left"
     for variable in variables:
@@ -162,11 +163,3 @@ def _shown(value: object) -> str:
         return ""
     text = f"{value:.9g}" if isinstance(value, float) else str(value)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 2]} …"
-
-
-def _table(title: str, *columns: str) -> Table:
-    table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    for i, column in enumerate(columns):
-        justify: Literal["left", "right"] = "left" if i == 0 else "right"
-        table.add_column(Text(column), justify=justify, overflow="fold")
-    return table

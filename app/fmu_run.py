@@ -235,7 +235,7 @@ def _write(
     csv: Path | None,
     plot: Path | None,
 ) -> list[Path]:
-    from .output import save_figure, write_files
+    from .result_files import save_figure, write_files
 
     writers: dict[Path, Callable[[Path], object]] = {}
     if csv is not None:

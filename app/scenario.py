@@ -20,8 +20,8 @@ from pydantic import (
 from ..analysis.specification import Bound, Mode, Move, Specification
 from . import scenario_checks as checks
 from .overrides import Place, override
-from .reading import read_toml
 from .scenario_messages import problem_line, what_to_write
+from .text_files import read_toml
 from .units import FREQUENCY, Motion, factor, unit_of
 
 GainRule = Literal["design", "published"]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..plant import PID, Inertia, InertiaFeedforward, ServoLoop, design_pid, printed_pid
+from ..plant import PID, Inertia, InertiaFeedforward, ServoLoop, design_pid
+from ..plant.pid import printed_pid
 from ..shaping import JerkFilter
 from .scenario import Gains, Scenario
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from ..analysis.loop_survey import Survey, UnstableLoopError, survey
 from ..analysis.specification import Labels
-from ..analysis.survey import Survey, UnstableLoopError, survey
 from .scenario import Scenario, as_scenario
 from .scenario_loop import jerk_filter_of, servo_loop_of
 

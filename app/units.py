@@ -13,6 +13,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..shaping.derivatives import derivative_name
+from ..units import BASE, PREFIXES, SPELLINGS, UNITS
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -20,40 +21,10 @@ if TYPE_CHECKING:
 
 Motion = Literal["angle", "length"]
 
-_PI = "3.14159265358979323846264338327950288"
-_DEFINITIONS = f"""
-kilo- = 1e3 = k-
-mega- = 1e6 = M-
-centi- = 1e-2 = c-
-milli- = 1e-3 = m-
-micro- = 1e-6 = u-
-nano- = 1e-9 = n-
-meter = [length] = m = metre
-inch = 0.0254 * meter = in
-kilogram = [mass] = kg
-gram = 1e-3 * kilogram = g
-tonne = 1e3 * kilogram = t
-second = [time] = s
-minute = 60 * second = min
-hour = 3600 * second = h
-radian = [angle] = rad
-turn = 2 * {_PI} * radian = turn = rev = revolution
-degree = {_PI} / 180 * radian = deg
-arcminute = degree / 60 = arcmin
-arcsecond = degree / 3600 = arcsec
-mas = arcsecond / 1000 = mas
-hertz = turn / second = Hz
-rpm = turn / minute = rpm
-newton = kilogram * meter / second ** 2 = N
-percent = 0.01 = percent
-decibel = [level] = dB
-"""
-
 _OUT_OF_RANGE = "is outside the range of floating-point numbers"
 _LONGEST_TEXT = 100
 _SPELLINGS = str.maketrans(
-    {"µ": "u", "μ": "u", "·": "*", "⋅": "*", "^": "**", "−": "-", "²": "**2", "³": "**3"}
-    | {"%": "percent", "°": "deg", "′": "arcmin", "″": "arcsec"}
+    {"·": "*", "⋅": "*", "^": "**", "−": "-", "²": "**2", "³": "**3"} | SPELLINGS | {"°": "deg"}
 )
 _POWER = r"[A-Za-z]+(?:\*\*-?[1-9][0-9]?)?"
 _FACTOR = rf"(?:{_POWER}|\({_POWER}(?:\*{_POWER})*\))"
@@ -395,6 +366,18 @@ def _registry() -> "UnitRegistry[Any]":
     from pint import UnitRegistry
 
     registry: UnitRegistry[Any] = UnitRegistry(None, non_int_type=Decimal)
-    for line in _DEFINITIONS.strip().splitlines():
-        registry.define(line)
+    for symbol, (word, size) in PREFIXES.items():
+        registry.define(f"{word}- = {size} = {symbol}-")
+    for symbol in BASE:
+        registry.define(f"{symbol} = [{symbol}]{_words(symbol)}")
+    for symbol, unit in UNITS.items():
+        if symbol not in BASE and not unit.zero:
+            powers = unit.powers | ({"rev": 1} if symbol == "Hz" else {})
+            product = " * ".join([str(unit.size), *(f"{b} ** {n}" for b, n in powers.items())])
+            registry.define(f"{symbol} = {product}{_words(symbol)}")
+    registry.define("decibel = [level] = dB")
     return registry
+
+
+def _words(symbol: str) -> str:
+    return "".join(f" = {word}" for word in (symbol, *UNITS[symbol].words))

@@ -19,7 +19,8 @@ from typing import TypeVar
 import numpy as np
 from timing import table
 
-from jounce.shaping import Limits, certify, min_time_move, perfect_spline, recursive_s_curve
+from jounce.shaping import Limits, certify, min_time_move, perfect_spline
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 MOVES = {3: 4, 4: 16, 5: 14, 6: 12, 7: 8, 8: 8, 9: 6, 10: 6}  # by order
 DECADE = (-0.8, 0.2)  # of each bound around the perfect spline's peak, so that several are active

@@ -9,6 +9,7 @@
 #include "../core/lags.c"
 #include "../core/lasting.c"
 #include "../core/linear.c"
+#include "../core/many_times.c"
 #include "../core/move.c"
 #include "../core/pieces.c"
 #include "../core/scaling.c"

@@ -64,9 +64,9 @@ static Reached by_the_bound(jounce_motion *m, const Seen *s, double top) {
         add_seen(m, left, e + gone, top, 0.0);
         return moved(gone + top * left, top, 0.0);
     }
-    cruise = top > 0.0 ? (stop - e - gone) / top : 0.0;
+    cruise = top > 0.0 ? larger((stop - e - gone) / top, 0.0) : 0.0; /* or it goes beyond */
     add_seen(m, cruise, e + gone, top, 0.0);
-    add_stop(m, s->dt - left + larger(cruise, 0.0), top, s->down, s->dt);
+    add_stop(m, s->dt - left + cruise, top, s->down, s->dt);
     w = top > 0.0 ? top - s->down * (left - cruise) : 0.0;
     return w > 0.0 ? moved(-0.5 * w * w / s->down - e, w, -s->down) : at_command(0.0, 0.0, 0.0);
 }
@@ -232,6 +232,8 @@ static double nearer(const Seen *s, const jounce_limits *limits) {
         double push = smaller(magnitude(s->a) + larger(rise, fall) * time,
                               larger(magnitude(s->a), power));
         speed = magnitude(s->w) + push * (time + 0.5 * push / jerk);
+        speed = smaller(speed, larger(magnitude(s->w) + 0.5 * s->a * s->a / jerk,
+                                      larger(s->v_high, -s->v_low)));
         turn = push / jerk + 2.0 * square_root(speed / jerk);
     }
     far = 4.0 * speed * (time + turn + speed / gentle);

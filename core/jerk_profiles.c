@@ -40,6 +40,8 @@ typedef struct {
     Arc arcs[MOST_ARCS];
 } Arcs;
 
+#define HARDLY 1e-6 /* a time that does not count beside those of order one */
+
 /* --- what depends on the task alone ------------------------------------------------------------ */
 
 static double slack_of(const jounce_family *f, double bound) {
@@ -72,7 +74,8 @@ void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
     f->task = *task;
     stop = speed / smaller(t->a_max, -t->a_min) + square_root(speed / jerk) +
            larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
-    f->blur = t->resolution + ROUNDING * (magnitude(t->distance) + speed * stop);
+    f->rounding = t->resolution + ROUNDING * magnitude(t->distance);
+    f->blur = f->rounding + ROUNDING * speed * stop;
     f->rise_time = 1.0 / t->rise;
     f->fall_time = 1.0 / t->fall;
     f->kappa = 0.5 * f->rise_time + 0.5 * f->fall_time;
@@ -198,7 +201,7 @@ static inline jounce_profile timed(const jounce_family *f, double p, double hold
                             double dwell) {
     const jounce_task *t = &f->task;
     double moving = ((p - t->a0) + (t->a1 - q)) * f->rise_time + (p - q) * f->fall_time;
-    jounce_profile profile = {larger(moving, 0.0) + hold + dwell, p, hold, 0.0, q, dwell};
+    jounce_profile profile = {larger(moving, 0.0) + hold + dwell, p, hold, 0.0, q, dwell, 0.0};
     return profile;
 }
 
@@ -430,6 +433,15 @@ static inline int are_same(const jounce_profile *a, const jounce_profile *b) {
            magnitude(a->hold - b->hold) <= slack && magnitude(a->dwell - b->dwell) <= slack;
 }
 
+/* Keep a profile that errs by what rounding of the state may be worth: it stands unless one that does
+ * not err takes hardly longer. */
+static void keep_nearly(const Point *at, jounce_profiles *found) {
+    jounce_profile profile = at->profile;
+    profile.worth = at->slope != 0.0 ? magnitude(2.0 * at->error / at->slope) : INFINITE;
+    profile.worth = smaller(profile.worth, HARDLY);
+    keep(&profile, found);
+}
+
 /* Keep the profiles of an arc of which the first member is given. `last` is that of the arc before,
  * and becomes that of this one. */
 static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile *first,
@@ -439,7 +451,7 @@ static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile 
     Point points[2];
     for (i = 0; i < count; i++) {
         Point *at = &points[i % 2], *before = &points[(i + 1) % 2];
-        double s = marks[i];
+        double s = marks[i], exact;
         if (!is_finite(s) && !far_parameter(f, arc->kind, before->s, s, &s)) {
             return;
         }
@@ -453,10 +465,14 @@ static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile 
             measure(f, at);
         }
         at->s = s;
-        if (magnitude(at->error) <= 4.0 * ROUNDING * at->scale + f->blur) {
+        exact = f->rounding + 4.0 * ROUNDING * at->scale;
+        if (magnitude(at->error) <= exact) {
             keep(&at->profile, found);
             at->error = 0.0;
-        } else if (i > 0 && before->error * at->error < 0.0) {
+        } else if (magnitude(at->error) <= exact + f->blur) {
+            keep_nearly(at, found);
+        }
+        if (i > 0 && before->error * at->error < 0.0) {
             jounce_profile profile = between(f, arc->kind, before, at);
             keep(&profile, found);
         }
@@ -535,8 +551,9 @@ int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
         }
         on_arc(f, &arcs.arcs[sorted[i]], first, &last, &found);
         for (; seen < found.count; seen++) {
-            if (found.profiles[seen].duration < shortest) {
-                shortest = found.profiles[seen].duration;
+            const jounce_profile *profile = &found.profiles[seen];
+            if (profile->duration + profile->worth < shortest) {
+                shortest = profile->duration + profile->worth;
                 at = seen;
             }
         }
@@ -548,6 +565,26 @@ int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
         *best = found.profiles[at];
     }
     return at >= 0;
+}
+
+/* Drop profiles that err where one that takes hardly longer does not. */
+static void drop_outdone(jounce_profiles *found) {
+    int i, k, kept = 0;
+    for (i = 0; i < found->count; i++) {
+        jounce_profile profile = found->profiles[i];
+        int stands = 1;
+        for (k = 0; k < found->count && profile.worth > 0.0; k++) {
+            const jounce_profile *other = &found->profiles[k];
+            if (other->worth == 0.0 && profile.duration <= other->duration &&
+                other->duration <= profile.duration + profile.worth) {
+                stands = 0;
+            }
+        }
+        if (stands) {
+            found->profiles[kept++] = profile;
+        }
+    }
+    found->count = kept;
 }
 
 void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
@@ -565,6 +602,7 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     if (cruising_there(f, INFINITE, &profile)) {
         keep(&profile, found);
     }
+    drop_outdone(found);
 }
 
 /* --- profiles of a given duration --------------------------------------------------------------- */

@@ -177,7 +177,7 @@ double jounce_pid_output(const jounce_pid *pid, double integral, double e, doubl
 /* The integral after this sample. */
 double jounce_pid_integral(const jounce_pid *pid, double integral, double e);
 
-/* --- evaluation of pieces of any order (pieces.c, evaluation.c) -------------------------------- */
+/* --- evaluation of pieces of any order (pieces.c, evaluation.c, many_times.c) ------------------ */
 
 /* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */
 double jounce_taylor(const double *state, int order, int k, double t);
@@ -193,6 +193,14 @@ typedef struct {
                              /* the time before, at the start of each piece, after the last */
     const double *durations; /* m; no piece is run past its own */
 } jounce_pieces;
+
+/* How many breaks are at or before a time: the row of the state that it goes on from. */
+size_t jounce_breaks_up_to(const jounce_pieces *pieces, double time);
+
+/* Derivatives 0 ... last at one time. A time before a break by at most `early` counts as behind
+ * it, for hosts that add up their time; where it is not finite, neither is what comes out. */
+void jounce_evaluate_at(const jounce_pieces *pieces, double time, double early, int last,
+                        double *out);
 
 /* Derivatives first ... last at times, that of k in out[(k - first) * stride]; increasing times
  * are fastest. JOUNCE_RANGE where a time is not finite. */

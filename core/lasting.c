@@ -5,6 +5,8 @@
 
 enum { MOST_ITERATIONS = 200 };
 
+#define STEEP 1.5692754338466701e57 /* 2^190: scaling.c cuts jerks off not far above */
+
 typedef struct {
     jounce_task to, from; /* to the velocity kept, and from it to the end's */
     jounce_change first, last;
@@ -123,12 +125,13 @@ static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Tria
 static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
     double speed = larger(magnitude(task->v0), magnitude(task->v1));
     double size = magnitude(task->distance) + speed * duration;
-    double slack = task->resolution + 64.0 * ROUNDING * size;
+    double slack = task->resolution + 64.0 * ROUNDING * size, settled;
     Trial nearest[2], low = {0.0, 0.0, 0.0}, high = {0.0, 0.0, 0.0}, best;
     int have_low = 0, have_high = 0, i;
     begin_cruise(task, c);
     nearest[0] = trial(c, settling(task->v0, task->a0, task), duration);
     nearest[1] = trial(c, settling(task->v1, -task->a1, task), duration);
+    settled = larger(magnitude(nearest[0].velocity), magnitude(nearest[1].velocity));
     for (i = 0; i < 2; i++) {
         Trial at = nearest[i];
         if (is_nan(at.error)) {
@@ -158,6 +161,7 @@ static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
     if (c->to.v1 != best.velocity) {
         cruise_at(c, best.velocity, duration);
     }
+    slack += 64.0 * ROUNDING * settled * (c->first.duration + c->last.duration);
     return magnitude(best.error) <= slack;
 }
 
@@ -173,51 +177,108 @@ static int by_cruising(const jounce_task *task, double duration, double start, d
     return 1;
 }
 
-/* Go on by a time within a piece. */
-static void go_on(jounce_piece *piece, double time) {
+/* --- weighted means ------------------------------------------------------------------------- */
+
+/* Where two motions of one duration stand: their pieces, and the time gone within each. */
+typedef struct {
+    const jounce_motion *of[2];
+    double weight;
+    int at[2];
+    double gone[2];
+} Pair;
+
+/* The time until a piece ends, and whose does. */
+static double next_break(const Pair *p, int *ends) {
+    double left[2], t;
+    int k;
+    for (k = 0; k < 2; k++) {
+        left[k] = p->of[k]->pieces[p->at[k]].duration - p->gone[k];
+    }
+    t = left[0] <= left[1] * (1.0 + ROUNDING) ? left[0] : left[1];
+    for (k = 0; k < 2; k++) {
+        ends[k] = left[k] <= t * (1.0 + ROUNDING);
+    }
+    return t;
+}
+
+static void walk(Pair *p, double t, const int *ends, int step) {
+    int k;
+    for (k = 0; k < 2; k++) {
+        p->at[k] += ends[k] ? step : 0;
+        p->gone[k] = ends[k] ? 0.0 : p->gone[k] + t;
+    }
+}
+
+/* Add what a piece has reached after a time, times a weight. */
+static void weigh(jounce_piece *sum, const jounce_piece *piece, double time, double weight) {
     double x[4];
     x[0] = piece->x;
     x[1] = piece->v;
     x[2] = piece->a;
     x[3] = piece->j;
-    piece->duration -= time;
-    piece->x = jounce_taylor(x, 3, 0, time);
-    piece->v = jounce_taylor(x, 3, 1, time);
-    piece->a = jounce_taylor(x, 3, 2, time);
+    sum->x += weight * jounce_taylor(x, 3, 0, time);
+    sum->v += weight * jounce_taylor(x, 3, 1, time);
+    sum->a += weight * jounce_taylor(x, 3, 2, time);
+    sum->j += weight * piece->j;
 }
 
-/* Add the motion weight first + (1 - weight) second. */
-static void add_mean(const jounce_motion *first, const jounce_motion *second, double weight,
-                     jounce_motion *motion) {
-    double w = 1.0 - weight;
-    jounce_piece one, other;
-    int i = 0, k = 0;
-    if (first->count == 0 || second->count == 0) {
-        return;
+/* The mean of the two pieces, from the times `begun` in each on. */
+static jounce_piece mean_of(const Pair *p, const double *begun, double duration) {
+    jounce_piece sum = {0.0, 0.0, 0.0, 0.0, 0.0};
+    weigh(&sum, &p->of[0]->pieces[p->at[0]], begun[0], p->weight);
+    weigh(&sum, &p->of[1]->pieces[p->at[1]], begun[1], 1.0 - p->weight);
+    sum.duration = duration;
+    return sum;
+}
+
+static void add_piece(jounce_motion *motion, const jounce_piece *p) {
+    jounce_add(motion, p->duration, p->x, p->v, p->a, p->j);
+}
+
+/* The mean of the pieces that end last, seen from the end, where `gone` are the times from there. */
+static jounce_piece mean_before(const Pair *p, double t, const int *ends) {
+    double begun[2];
+    int k;
+    for (k = 0; k < 2; k++) {
+        begun[k] = ends[k] ? 0.0 : p->of[k]->pieces[p->at[k]].duration - p->gone[k] - t;
     }
-    one = first->pieces[0];
-    other = second->pieces[0];
-    for (;;) {
-        double t = one.duration <= other.duration * (1.0 + ROUNDING) ? one.duration
-                                                                     : other.duration;
-        int one_ends = one.duration <= t * (1.0 + ROUNDING);
-        int other_ends = other.duration <= t * (1.0 + ROUNDING);
-        jounce_add(motion, t, weight * one.x + w * other.x, weight * one.v + w * other.v,
-                   weight * one.a + w * other.a, weight * one.j + w * other.j);
-        if ((one_ends && ++i >= first->count) || (other_ends && ++k >= second->count)) {
-            return;
-        }
-        if (one_ends) {
-            one = first->pieces[i];
-        } else {
-            go_on(&one, t);
-        }
-        if (other_ends) {
-            other = second->pieces[k];
-        } else {
-            go_on(&other, t);
+    return mean_of(p, begun, t);
+}
+
+/* Add the motion weight first + (1 - weight) second: from the front until both go on for long, then
+ * from the end back to there, as ramps at either end may be shorter than what rounding leaves of
+ * the duration. 0 where the two do not meet. */
+static int add_mean(const Pair *start, double duration, jounce_motion *motion) {
+    Pair front = *start, back = *start;
+    jounce_piece last[JOUNCE_MOST_PIECES], middle;
+    int ends[2], count = 0, total = front.of[0]->count + front.of[1]->count;
+    double left = duration, t;
+    back.at[0] = back.of[0]->count - 1;
+    back.at[1] = back.of[1]->count - 1;
+    while ((t = next_break(&front, ends)) * total < duration) {
+        middle = mean_of(&front, front.gone, t);
+        add_piece(motion, &middle);
+        walk(&front, t, ends, 1);
+        left -= t;
+        if (front.at[0] > back.at[0] || front.at[1] > back.at[1]) {
+            return 0;
         }
     }
+    while (back.at[0] + back.at[1] > front.at[0] + front.at[1]) {
+        t = next_break(&back, ends);
+        last[count++] = mean_before(&back, t, ends);
+        walk(&back, t, ends, -1);
+        left -= t;
+        if (back.at[0] < front.at[0] || back.at[1] < front.at[1]) {
+            return 0;
+        }
+    }
+    middle = mean_of(&front, front.gone, left);
+    add_piece(motion, &middle);
+    while (count > 0) {
+        add_piece(motion, &last[--count]);
+    }
+    return 1;
 }
 
 /* A weighted mean of the motions that go furthest up and furthest down in a time, which keeps
@@ -227,10 +288,15 @@ static int by_mean(const jounce_task *task, double duration, double start, jounc
     jounce_profile highest, lowest;
     jounce_motion above, below;
     jounce_family up, down;
-    double top, bottom, slack, weight;
+    Pair pair = {{&above, &below}, 0.0, {0, 0}, {0.0, 0.0}};
+    double top, bottom, slack;
     jounce_make_family(task, &up);
     jounce_make_family(&mirrored, &down);
     if (!jounce_lasting(&up, duration, &highest) || !jounce_lasting(&down, duration, &lowest)) {
+        return 0;
+    }
+    if (larger(magnitude(highest.duration - duration), magnitude(lowest.duration - duration)) >
+        64.0 * ROUNDING * duration) {
         return 0;
     }
     top = jounce_distance_of(&up, &highest);
@@ -239,14 +305,21 @@ static int by_mean(const jounce_task *task, double duration, double start, jounc
     if (task->distance < bottom - slack || task->distance > top + slack) {
         return 0;
     }
-    weight = top > bottom ? (task->distance - bottom) / (top - bottom) : 1.0;
+    pair.weight = top > bottom ? clamp((task->distance - bottom) / (top - bottom), 0.0, 1.0) : 1.0;
     jounce_clear(&above);
     jounce_clear(&below);
     jounce_pieces_of(&up, &highest, start, start + top, &above);
     jounce_pieces_of(&down, &lowest, -start, -start - bottom, &below);
     jounce_turn(&below, 0);
-    add_mean(&above, &below, clamp(weight, 0.0, 1.0), motion);
-    return 1;
+    return above.count > 0 && below.count > 0 && add_mean(&pair, duration, motion);
+}
+
+/* Whether the start's acceleration is beyond its bounds, and beside the duration its way inside takes
+ * less time than numbers hold, although it may lead far. */
+static int jumps_inside(const jounce_state *start, const jounce_limits *limits,
+                        const jounce_task *whole) {
+    return (start->a < limits->a_low || start->a > limits->a_high) && is_finite(limits->j_high) &&
+           smaller(whole->rise, whole->fall) > STEEP;
 }
 
 jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_state *end,
@@ -257,6 +330,9 @@ jounce_status jounce_transfer_lasting(const jounce_state *start, const jounce_st
     jounce_pose(start, end, limits, jounce_size_of_positions(start, end), duration, &p);
     if (!jounce_ends_within(&p.whole)) {
         return JOUNCE_UNREACHABLE;
+    }
+    if (jumps_inside(start, limits, &p.whole)) {
+        return JOUNCE_RANGE;
     }
     jounce_start_inside(&p);
     left = scaled(duration, -p.units.time) - p.way.duration;

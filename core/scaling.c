@@ -14,6 +14,7 @@ enum { NOTHING = -100000 };
 #define FAR 1048576.0       /* 2^20: beyond all that is reached in a few units of time */
 #define STEEPEST_ACCELERATION 1.3292279957849159e36 /* 2^120 */
 #define STEEPEST_JERK 1.6069380442589903e60 /* 2^200 */
+#define LARGEST 1.7976931348623157e308
 
 static inline int most(int a, int b) { return a > b ? a : b; }
 
@@ -60,8 +61,8 @@ static jounce_units own_units(const jounce_task *t, double duration) {
     if (a != NOTHING) {
         units.length = most(units.length, a + 2 * time);
     }
-    if (units.length == NOTHING) {
-        units.length = 0;
+    if (units.length == NOTHING) { /* nothing to do: `time` is zero, and the bound of order one */
+        units.length = exponent_of(is_finite(jerk) ? jerk : power);
     }
     return units;
 }
@@ -113,8 +114,10 @@ jounce_units jounce_to_own_units(jounce_task *task, double duration) {
     task->a1 = times(task->a1, a, normal, fa);
     task->a_min = times(task->a_min, a, normal, fa);
     task->a_max = times(task->a_max, a, normal, fa);
-    task->rise = times(task->rise, j, normal, fj);
-    task->fall = times(task->fall, j, normal, fj);
+    if (is_finite(task->rise)) { /* and stays so */
+        task->rise = smaller(times(task->rise, j, normal, fj), LARGEST);
+        task->fall = smaller(times(task->fall, j, normal, fj), LARGEST);
+    }
     drop_far_bounds(task);
     return units;
 }

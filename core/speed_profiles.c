@@ -34,7 +34,8 @@ void jounce_speed_family(const jounce_task *task, jounce_family *family) {
     double speed = larger(magnitude(task->v0), magnitude(task->v1));
     double stop = speed * speed / smaller(task->a_max, -task->a_min);
     family->task = *task;
-    family->blur = task->resolution + ROUNDING * (magnitude(task->distance) + stop);
+    family->rounding = task->resolution + ROUNDING * magnitude(task->distance);
+    family->blur = family->rounding + ROUNDING * stop;
 }
 
 static void found_at(const jounce_task *t, double w, double rise, double cruise,
@@ -51,7 +52,9 @@ void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found)
     }
     missing = t->distance - travelled(t, least);
     fastest = larger(magnitude(t->v0), magnitude(t->v1));
-    slack = family->blur + ROUNDING * fastest * speed_timed(t, least, 0.0, 0.0).duration;
+    slack = ROUNDING * fastest * speed_timed(t, least, 0.0, 0.0).duration;
+    /* what a small change of velocity does not gain takes a way round */
+    slack += missing * least > 0.0 ? family->rounding : family->blur;
     if (magnitude(missing) <= slack) {
         found_at(t, least, 0.0, 0.0, found);
     }

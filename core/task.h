@@ -92,6 +92,7 @@ double jounce_inside(double value, double low, double high);
  * dwells, rises. With bounded acceleration: velocity rises by p, cruises, falls. */
 typedef struct {
     double duration, p, hold, cruise, q, dwell;
+    double worth; /* time that its error of the distance takes, where it has one */
 } jounce_profile;
 
 enum { JOUNCE_MOST_PROFILES = 40 };
@@ -104,7 +105,8 @@ typedef struct {
 /* What depends on the task alone. */
 typedef struct {
     jounce_task task;
-    double blur;              /* an error of the distance that is mere rounding */
+    double rounding;          /* an error of the distance that is mere rounding of itself */
+    double blur;              /* the same, of the states of motion */
     double rise_time, fall_time; /* of a unit of acceleration; the rest is the jerk's */
     double kappa, per_kappa, noise;
     double c, ratio;          /* of what the end velocity asks */
@@ -151,7 +153,8 @@ int jounce_fastest(const jounce_task *task, double start, double end, jounce_mot
 typedef struct {
     jounce_task whole, task; /* as asked, and what is left after the way inside */
     jounce_units units;
-    double start, position, goal; /* of the whole, of the task, and the end */
+    double start, position, goal; /* of the whole, of the task, and the end, */
+    double offset;                /* from here, which is not zero where all three are one double */
     jounce_motion way;            /* inside */
 } jounce_problem;
 

@@ -71,7 +71,7 @@ static void scale_up(const jounce_problem *p, jounce_motion *motion) {
     for (i = 0; i < motion->count; i++) {
         jounce_piece piece = motion->pieces[i];
         piece.duration = normal ? piece.duration * ft : scaled(piece.duration, t);
-        piece.x = normal ? piece.x * fx : scaled(piece.x, x);
+        piece.x = (normal ? piece.x * fx : scaled(piece.x, x)) + p->offset;
         piece.v = normal ? piece.v * fv : scaled(piece.v, x - t);
         piece.a = normal ? piece.a * fa : scaled(piece.a, x - 2 * t);
         piece.j = normal ? piece.j * fj : scaled(piece.j, x - 3 * t);
@@ -116,6 +116,11 @@ void jounce_pose(const jounce_state *start, const jounce_state *end, const jounc
     p->units = jounce_to_own_units(t, duration);
     p->start = scaled(start->x, -p->units.length);
     p->goal = scaled(end->x, -p->units.length);
+    p->offset = 0.0;
+    if (!is_finite(p->start) || !is_finite(p->goal)) {
+        p->offset = start->x;
+        p->start = p->goal = 0.0;
+    }
     jounce_clear(&p->way);
     p->task = *t;
 }
@@ -194,6 +199,6 @@ jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_s
     }
     jounce_change_pieces(&p.task, &change, p.position, motion);
     motion->inside_after = jounce_time_inside(&p.whole, motion);
-    goal.x = scaled(p.position + change.distance, p.units.length);
+    goal.x = scaled(p.position + change.distance, p.units.length) + p.offset;
     return jounce_finish(&p, &goal, limits, motion);
 }

@@ -66,7 +66,7 @@ def save(figure: Figure, path: Path) -> None:
     """Save a figure as a PNG, in a palette to keep the file small; always the same bytes."""
     from PIL import Image
 
-    from jounce.app.output import save_figure
+    from jounce.app.result_files import save_figure
 
     save_figure(figure, path)
     with Image.open(path) as drawn:

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from .importing.linearize import linearize_fmu
     from .importing.load import load_fmu
     from .importing.reading import inspect_fmu
-    from .importing.stepping import Fmu, FmuState
+    from .importing.snapshot import FmuState
+    from .importing.stepping import Fmu
 
 # Imported when they are first asked for.
 _LATER = {
@@ -35,7 +36,7 @@ _LATER = {
     "FmuDescription": "importing.description",
     "FmuError": "importing.description",
     "FmuExport": "exporting.export",
-    "FmuState": "importing.stepping",
+    "FmuState": "importing.snapshot",
     "FmuSystem": "cosimulation.fmu_system",
     "FmuTerminated": "importing.description",
     "FmuVariable": "importing.description",

@@ -20,7 +20,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from jounce.analysis import loop_margins
-from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid, printed_pid
+from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid
+from jounce.plant.pid import printed_pid
 from jounce.shaping import JerkFilter, Limits, min_time_move
 
 plant = Inertia(1.0)

@@ -24,8 +24,8 @@ from jounce.shaping import (
     certify,
     min_jerk_move,
     min_time_move,
-    recursive_s_curve,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 # %% [markdown]
 # ## Snap, crackle or pop limited, and nothing else

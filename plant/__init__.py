@@ -2,12 +2,12 @@
 
 from .anti_windup import BackCalculation, Clamp
 from .axis import Axis, as_axis, chain_axis, system_axis
-from .blocks import filter_system
 from .cascade import CascadedPI
 from .closed_systems import Sensitivity
 from .commands import Ramp, Sine
 from .controller import Controller, as_controller
 from .disturbances import SampledTorque, TorqueSine, TorqueSteps, Wind
+from .exact_response import respond
 from .feedforward import Feedforward, InertiaFeedforward
 from .filters import LeadLag, LowPass, Notch
 from .flexible_inertia import FlexibleInertia
@@ -15,10 +15,11 @@ from .flexible_mode import FlexibleMode
 from .friction import Friction
 from .inertia import Inertia
 from .inverse import inverse_feedforward, low_frequency_feedforward
-from .pid import PID, design_pid, printed_pid
-from .respond import respond
+from .pid import PID
+from .pid_design import design_pid
 from .sampled import zero_order_hold
 from .servo_loop import LoopResponse, ServoLoop
+from .shaper_systems import filter_system
 
 __all__ = [
     "PID",
@@ -52,7 +53,6 @@ __all__ = [
     "filter_system",
     "inverse_feedforward",
     "low_frequency_feedforward",
-    "printed_pid",
     "respond",
     "system_axis",
     "zero_order_hold",

@@ -14,13 +14,13 @@ from ..shaping.checks import finite, of_kind, one_of, positive
 from ..shaping.frozen import Frozen
 from ..shaping.real_numbers import real_array, real_number, shown
 from .dynamics import Dynamics, linear_dynamics, mechanical_dynamics
+from .exact_response import state_space
 from .flexible_inertia import FlexibleInertia
 from .flexible_mode import FlexibleMode
 from .friction import Friction
 from .inertia import Inertia
 from .linear_system import linear_system
 from .mechanics import Mechanics, chain_mechanics, held_mechanics, modal_mechanics
-from .respond import state_space
 
 if TYPE_CHECKING:
     import control

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import shown
+from .exact_response import state_space
 from .filters import Filter, LeadLag, LowPass, Notch
-from .respond import state_space
 
 if TYPE_CHECKING:
     import control

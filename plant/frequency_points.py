@@ -44,4 +44,4 @@ def frequency_points(
         width = max(abs(root.real), 1e-6 * abs(root))
         points.append(root.imag + width * _BESIDE)
     omega = np.unique(np.concatenate(points))
-    return omega[(omega >= bottom) & (omega <= top)]
+    return np.asarray(omega[(omega >= bottom) & (omega <= top)])

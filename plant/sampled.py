@@ -9,8 +9,8 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
+from .exact_response import state_space
 from .linear_system import linear_system
-from .respond import state_space
 
 if TYPE_CHECKING:
     import control

@@ -14,7 +14,7 @@ from ..shaping.frozen import Frozen
 from ..shaping.jerk_filter import checked_filter
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
-from ..shaping.trajectory import checked_trajectory
+from ..shaping.trajectory import Motion, as_trajectory
 from .axis import Axis, as_axis
 from .closed_systems import (
     Sensitivity,
@@ -23,13 +23,13 @@ from .closed_systems import (
     sampled_functions,
 )
 from .controller import Controller, as_controller
+from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
 from .linear_system import linear_system, static_gain
 from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
-from .respond import respond_on_grid
 from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LoopResponse:
+class LoopResponse(Frozen):
     """Exact response of a servo loop on a uniform time grid; arrays (N,), time last.
 
     Attributes
@@ -359,7 +359,7 @@ class ServoLoop(Frozen):
 
     def respond(
         self,
-        trajectory: Trajectory,
+        trajectory: Motion,
         dt: float,
         *,
         duration: float | None = None,
@@ -390,9 +390,10 @@ class ServoLoop(Frozen):
             For a trajectory of order 1 (its acceleration is a train of impulses: bound the
             acceleration), or a dt or duration that is not positive.
         """
+        trajectory = as_trajectory(trajectory)
         if jerk_filter is None:
-            check_fed(checked_trajectory(trajectory), (0, 1, 2))
-        start = float(checked_trajectory(trajectory).start_state[0])
+            check_fed(trajectory, (0, 1, 2))
+        start = float(trajectory.start_state[0])
         moved = trajectory.shift(-start)
         system, fed, initial, behind = self.system(), 3, np.zeros(self.system().nstates), None
         if jerk_filter is not None:

@@ -2,7 +2,7 @@
 
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation
-from .describing import (
+from .describing_functions import (
     plot_describing_function,
     plot_describing_gain,
     plot_describing_phase,
@@ -16,7 +16,7 @@ from .frequency_view import (
     plot_vibration_by_size,
     plot_vibration_map,
 )
-from .margins import plot_margin_contours
+from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
 from .survey import plot_survey
 

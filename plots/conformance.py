@@ -15,8 +15,8 @@ from .style import BLUE, RED, panels_figure, unit_label
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..analysis.conformance import Conformance
-    from ..analysis.conformance.bands import Band
+    from ..analysis.log_conformance import Conformance
+    from ..analysis.log_conformance.bands import Band
     from ..shaping.pieces import FloatArray
 
 _ERROR_BAR = "error bar, 95 %"

@@ -9,7 +9,6 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..analysis.conformance import Conformance
 from ..analysis.frequency_view import (
     CascadedLags,
     DescribingFunction,
@@ -17,15 +16,21 @@ from ..analysis.frequency_view import (
     PeriodicResponse,
     VibrationMap,
 )
+from ..analysis.log_conformance import Conformance
+from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
-from ..analysis.survey import Survey
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..shaping import FollowerResponse, Trajectory
+from ..shaping.trajectory import Planned
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation
-from .describing import plot_describing_function, plot_describing_gain, plot_periodic_response
+from .describing_functions import (
+    plot_describing_function,
+    plot_describing_gain,
+    plot_periodic_response,
+)
 from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
-from .margins import plot_margin_contours
+from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
 from .survey import plot_survey
 
@@ -83,6 +88,7 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
+    Planned: plot_trajectory,
     Survey: plot_survey,
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,

@@ -15,6 +15,7 @@ from ..shaping.checks import positive
 from ..shaping.derivatives import derivative_name
 from ..shaping.limits import of_one
 from ..shaping.optimal.binding import BINDING_RTOL
+from ..shaping.trajectory import Motion, as_trajectory
 from .style import (
     BLUE,
     CURVE_POINTS,
@@ -38,7 +39,7 @@ _TOUCH_POINTS = 50  # a piece; a parabola from bound to bound is within 1e-3 for
 
 
 def plot_trajectory(
-    trajectory: Trajectory,
+    trajectory: Motion,
     *,
     limits: Limits | None = None,
     unit: str = "",
@@ -77,7 +78,7 @@ def plot_trajectory(
     """
     if limits is not None:
         of_one(limits)
-    scale = positive("scale", scale)
+    trajectory, scale = as_trajectory(trajectory), positive("scale", scale)
     rows = trajectory.order + 1
     figure = panels_figure(figure, (8.0, 1.6 * rows + 0.6))
     panels = figure.subplots(rows, 1, sharex=True)
@@ -153,7 +154,7 @@ def _colour(trajectory: Trajectory, limits: Limits | None, panels: Sequence[Axes
 
 
 def plot_motions(
-    motions: Mapping[str, Trajectory],
+    motions: Mapping[str, Motion],
     derivative: int,
     *,
     ax: Axes | None = None,
@@ -173,7 +174,7 @@ def plot_motions(
     """
     ax = single_axes(ax, _SIZE)
     for (name, motion), style in zip(motions.items(), cycle(_STYLES), strict=False):
-        time = curve_times(motion)
+        time = curve_times(as_trajectory(motion))
         ax.plot(time, motion(time, derivative), style, label=name)
     ax.set_xlabel(f"time [{time_unit}]")
     ax.set_ylabel(derivative_name(derivative) + unit_label(unit, time_unit, derivative))

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 
-from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
+from .loop import plot_loop_gain, plot_loop_phase, plot_nichols, plot_sensitivities, plot_step
+from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..analysis.step import StepResponse
-    from ..analysis.survey import MoveSurvey, Survey
+    from ..analysis.loop_survey import MoveSurvey, Survey
     from ..shaping.pieces import FloatArray
 
 
@@ -56,121 +55,6 @@ def plot_survey(survey: Survey, *, figure: Figure | None = None) -> Figure:
     )
     figure.text(0.5, 0.945, subtitle, ha="center", fontsize=11, color=GREY)
     return figure
-
-
-def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
-    """Draw |L| against frequency, with crossover and gain margins marked."""
-    frequency, loop = _loop_curve(survey)
-    margins = survey.margins
-    ax.semilogx(frequency, _db(loop), color=BLUE)
-    ax.axhline(0.0, color=GREY, linewidth=0.8)
-    ax.plot(margins.crossover_hz, 0.0, "o", color=ORANGE)
-    ax.annotate(
-        f"crossover {margins.crossover_hz:.4g} Hz",
-        (margins.crossover_hz, 0.0),
-        xytext=(8, 6),
-        textcoords="offset points",
-        color=ORANGE,
-    )
-    for level, at, name in (
-        (margins.lower_gain_margin_db, margins.lower_gain_margin_hz, "lower"),
-        (-margins.upper_gain_margin_db, margins.upper_gain_margin_hz, "upper"),
-    ):
-        if isfinite(level):
-            ax.plot([at, at], [0.0, level], "-o", color=RED, markersize=4)
-            ax.annotate(
-                f"{name} gain margin\n{abs(level):.4g} dB",
-                (at, min(level, 0.0)),
-                xytext=(18, -4),
-                textcoords="offset points",
-                ha="right",
-                va="top",
-                color=RED,
-            )
-    return finish(ax, "Open loop: gain", "frequency [Hz]", "|L| [dB]")
-
-
-def plot_loop_phase(survey: Survey, *, ax: Axes) -> Axes:
-    """Draw the phase of L against frequency, with the phase margin marked."""
-    frequency, loop = _loop_curve(survey)
-    margins = survey.margins
-    ax.semilogx(frequency, _phase_deg(loop), color=BLUE)
-    ax.axhline(-180.0, color=GREY, linewidth=0.8)
-    if isfinite(margins.crossover_hz):
-        at = margins.crossover_hz
-        phase = float(np.interp(np.log(at), np.log(frequency), _phase_deg(loop)))
-        ax.plot([at, at], [-180.0, phase], "-o", color=ORANGE, markersize=4)
-        ax.annotate(
-            f"phase margin\n{margins.phase_margin_deg:.4g}°",
-            (at, 0.5 * (phase - 180.0)),
-            xytext=(8, -10),
-            textcoords="offset points",
-            color=ORANGE,
-        )
-    return finish(ax, "Open loop: phase", "frequency [Hz]", "phase of L [deg]")
-
-
-def plot_nichols(survey: Survey, *, ax: Axes) -> Axes:
-    """Draw gain against phase of L, with the critical point and the circle |S| = peak."""
-    _, loop = _loop_curve(survey)
-    ax.plot(_phase_deg(loop), _db(loop), color=BLUE, label="L")
-    ax.plot(-180.0, 0.0, "+", color=RED, markersize=12, markeredgewidth=2, label="critical point")
-    modulus = survey.margins.modulus_margin
-    if modulus < 1.0:
-        circle = -1.0 + modulus * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, CURVE_POINTS))
-        phase = np.degrees(np.angle(-circle)) - 180.0
-        label = f"|1 + L| = {modulus:.3f}"
-        ax.plot(phase, _db(circle), "--", color=RED, linewidth=1.0, label=label)
-    ax.set_ylim(-40.0, 40.0)
-    ax.xaxis.set_major_locator(MultipleLocator(45.0))
-    ax.legend(loc="lower left")
-    return finish(ax, "Nichols", "phase of L [deg]", "|L| [dB]")
-
-
-def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
-    """Draw the closed loop T = L/(1 + L) and the sensitivity S = 1/(1 + L)."""
-    frequency, loop = _loop_curve(survey)
-    margins = survey.margins
-    for values, color, name, peak, at in (
-        (
-            loop / (1.0 + loop),
-            BLUE,
-            "T",
-            margins.complementary_peak,
-            margins.complementary_peak_hz,
-        ),
-        (1.0 / (1.0 + loop), GREEN, "S", margins.sensitivity_peak, margins.sensitivity_peak_hz),
-    ):
-        label = f"|{name}|, peak {20.0 * np.log10(peak):.2f} dB"
-        ax.semilogx(frequency, _db(values), color=color, label=label)
-        if 0.0 < at < inf:
-            ax.plot(at, 20.0 * np.log10(peak), "o", color=color, markersize=4)
-    if isfinite(margins.bandwidth_hz):
-        label = f"bandwidth {margins.bandwidth_hz:.4g} Hz"
-        ax.axvline(margins.bandwidth_hz, color=GREY, linestyle=":", label=label)
-    ax.set_ylim(-60.0, 15.0)
-    ax.legend(loc="lower left", bbox_to_anchor=(0.3, 0.0))
-    return finish(ax, "Closed loop T and sensitivity S", "frequency [Hz]", "magnitude [dB]")
-
-
-def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
-    """Draw the unit step response with its overshoot and settling time."""
-    shown = step.time <= 1.6 * step.settling_time_s + step.peak_time_s
-    ax.plot(step.time[shown], step.position[shown], color=BLUE)
-    ax.axhline(1.0, color=GREY, linewidth=0.8)
-    ax.axhspan(0.98, 1.02, color=GREY, alpha=0.2, label="±2 %")
-    ax.plot(step.peak_time_s, 1.0 + step.overshoot_percent / 100.0, "o", color=ORANGE)
-    ax.annotate(
-        f"overshoot {step.overshoot_percent:.2f} %",
-        (step.peak_time_s, 1.0 + step.overshoot_percent / 100.0),
-        xytext=(10, -3),
-        textcoords="offset points",
-        color=ORANGE,
-    )
-    label = f"settled at {step.settling_time_s:.3g} s"
-    ax.axvline(step.settling_time_s, color=GREY, linestyle=":", label=label)
-    ax.legend(loc="lower right")
-    return finish(ax, "Unit step without feedforward", "time [s]", "position / step")
 
 
 def plot_move(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
@@ -269,26 +153,6 @@ def _until_settled(move: MoveSurvey, time: FloatArray) -> slice:
     settled = [result.settling_time_s for result in move.responses.values()]
     end = 1.15 * max([value for value in settled if isfinite(value)], default=inf)
     return slice(0, int(np.searchsorted(time, end)) + 1)
-
-
-def _loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
-    """Return frequencies around the crossover [Hz] and L there."""
-    margins = survey.margins
-    centre = margins.crossover_hz
-    if not 0.0 < centre < inf:
-        centre = float(np.abs(margins.closed_loop_poles).max()) / (2.0 * np.pi)
-    frequency = centre * np.logspace(-2.0, 2.0, CURVE_POINTS)
-    return frequency, survey.loop.loop_transfer()(2j * np.pi * frequency)
-
-
-def _db(values: Any) -> FloatArray:
-    return np.asarray(20.0 * np.log10(np.abs(values)))
-
-
-def _phase_deg(values: Any) -> FloatArray:
-    """Return the unwrapped phase, its right end within (−360, 0]."""
-    phase = np.degrees(np.unwrap(np.angle(values)))
-    return np.asarray(phase - 360.0 * np.ceil(phase[-1] / 360.0))
 
 
 def _decibels(value: float) -> str:

@@ -8,7 +8,7 @@ from ..later import later
 from .jerk_filter import FilterResponse, JerkFilter
 from .limits import Limits
 from .min_jerk import min_jerk_move
-from .moves import bound_for_rise_time, min_time_move, perfect_spline, recursive_s_curve
+from .moves import bound_for_rise_time, min_time_move, perfect_spline
 from .rise import switch_fractions
 from .trajectory import Trajectory
 
@@ -65,7 +65,6 @@ __all__ = [
     "min_time_transfer",
     "min_time_transfers",
     "perfect_spline",
-    "recursive_s_curve",
     "s_curve_move",
     "switch_fractions",
     "synchronize",

@@ -16,7 +16,7 @@ from .frozen import Frozen
 from .limits import Limits
 from .pieces import MAX_SAMPLES, FloatArray, extrema
 from .real_numbers import real_array
-from .trajectory import Trajectory
+from .trajectory import Motion
 
 _NUMBERS = 2**17  # in the pieces and values worked out at a time, which stay in the cache
 
@@ -51,7 +51,7 @@ class Problems(Protocol):
     def select(self, index: Any) -> Problems:
         """Return the problems that an index of numpy selects."""
 
-    def alone(self, index: Any) -> Trajectory:
+    def alone(self, index: Any) -> Motion:
         """Return one motion; its problem's error where there is none."""
 
     def fill(self, some: slice, rooms: tuple[FloatArray, FloatArray, FloatArray]) -> None:
@@ -133,12 +133,12 @@ class MotionBatch(Frozen):
         return f"MotionBatch(shape={self.shape}, order={self.order}{told})"
 
     @overload
-    def __getitem__(self, index: int) -> Trajectory: ...
+    def __getitem__(self, index: int) -> Motion: ...
 
     @overload
-    def __getitem__(self, index: Any) -> Trajectory | MotionBatch: ...
+    def __getitem__(self, index: Any) -> Motion | MotionBatch: ...
 
-    def __getitem__(self, index: Any) -> Trajectory | MotionBatch:
+    def __getitem__(self, index: Any) -> Motion | MotionBatch:
         """Return one motion, or those that an index selects as a batch."""
         duration = np.asarray(self.duration[index])
         if not duration.ndim:

@@ -37,7 +37,6 @@ def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
     """
     if bound is None:
         return None, inf
-    pair = isinstance(bound, tuple | list)
     try:
         if not isinstance(bound, tuple | list):
             low, high = _sides_of_array(real_array("bound", bound))
@@ -46,9 +45,9 @@ def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
         else:
             raise TypeError
     except TypeError:
-        remedy = "; make a list of bounds an array, as numpy.array does" if pair else ""
-        raise TypeError(f"{derivative_name(k)} limit {shown(bound)}: {_EXPECTED}{remedy}") from None
-    _check_around_zero(low, high, k)
+        told = f"{derivative_name(k)} limit {shown(bound)}: {_EXPECTED}"
+        raise TypeError(told + _remedy_of_kind(bound)) from None
+    _check_around_zero(bound, low, high, k)
     return None if low is None else _side(low), _side(high)
 
 
@@ -58,6 +57,14 @@ def _sides_of_array(bounds: FloatArray) -> tuple[FloatArray | None, FloatArray]:
     return None, bounds.copy()
 
 
+def _remedy_of_kind(bound: object) -> str:
+    if not isinstance(bound, tuple | list):
+        return ""
+    if len(bound) == 2 and any(side is None for side in bound):
+        return "; write -inf or inf for a side without a bound"
+    return "; make a list of bounds an array, as numpy.array does"
+
+
 def _side(values: FloatArray) -> Side:
     if not values.ndim:
         return float(values)
@@ -65,7 +72,7 @@ def _side(values: FloatArray) -> Side:
     return values
 
 
-def _check_around_zero(low: FloatArray | None, high: FloatArray, k: int) -> None:
+def _check_around_zero(given: Bound, low: FloatArray | None, high: FloatArray, k: int) -> None:
     name = derivative_name(k)
     try:
         right = np.asarray(high > 0.0)
@@ -82,4 +89,17 @@ def _check_around_zero(low: FloatArray | None, high: FloatArray, k: int) -> None
     lower, upper = (float(np.broadcast_to(side, right.shape)[problem]) for side in (below, high))
     told = shown(upper if lower == -upper or upper != upper else (lower, upper))
     where = f" of problem {', '.join(map(str, problem))}" if problem else ""
-    raise ValueError(f"{name} limit {told}{where}: {_EXPECTED}; leave it out where there is none")
+    remedy = _remedy_of_values(given, low, high)
+    raise ValueError(f"{name} limit {told}{where}: {_EXPECTED}; {remedy}")
+
+
+def _remedy_of_values(given: Bound, low: FloatArray | None, high: FloatArray) -> str:
+    if not isinstance(given, tuple | list):
+        if low is None and high.shape == (2,) and high[0] < 0.0 < high[1]:
+            return "an array of two numbers is two bounds: make a pair a tuple"
+        if low is not None and (low > 0.0).all():
+            return (
+                f"an array {(*low.shape, 2)} is pairs: give bounds on the magnitude of as many "
+                "problems as the pair (-bounds, bounds)"
+            )
+    return "leave it out where there is none"

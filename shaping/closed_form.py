@@ -1,10 +1,10 @@
-"""Closed-form plans of rest-to-rest moves: which bounds are reached, and for how long.
+"""Closed forms of rest-to-rest moves: which bounds are reached, and for how long.
 
-A plan starts with a perfect spline as the rise of some derivative k and works outwards: each
-lower derivative is the integral of a pulse (up, hold, down). `chain_plan` grows the spline and
+A form starts with a perfect spline as the rise of some derivative k and works outwards: each
+lower derivative is the integral of a pulse (up, hold, down). `chain_form` grows the spline and
 then every width, innermost first, until the first bound or the distance stops it. With k = n − 1
 that is the recursive S-curve (Pourkavoos; Lambrechts; Biagiotti & Melchiorri); with k = n − 2 and
-so on, the ramps are Thompson's perfect splines; with k = 0 the whole move is one. `swing_plan` is
+so on, the ramps are Thompson's perfect splines; with k = 0 the whole move is one. `swing_form` is
 Thompson's "longer move" without cruise, where acceleration crosses from A to −A in one spline.
 """
 
@@ -30,7 +30,7 @@ _SECANT_STEPS = 40
 
 
 @dataclass(frozen=True)
-class ChainPlan:
+class ChainForm:
     """A spline rise of some order and the pulses around it, innermost first."""
 
     order: int
@@ -42,7 +42,7 @@ class ChainPlan:
     duration: float
 
     def build(self) -> Rise:
-        """Return the position rise of this plan."""
+        """Return the position rise of this form."""
         rise = spline_rise(self.order, self.span, self.peak, self.highest)
         for hold, peak in zip(self.holds, self.peaks, strict=True):
             rise = pulse_rise(rise, hold, peak)
@@ -50,7 +50,7 @@ class ChainPlan:
 
 
 @dataclass(frozen=True)
-class SwingPlan:
+class SwingForm:
     """Acceleration up to A, held, across to −A in one spline, held, and back to zero.
 
     `up` and `across` are the span of each spline and the bound of its highest derivative.
@@ -65,7 +65,7 @@ class SwingPlan:
     duration: float
 
     def build(self) -> Rise:
-        """Return the position rise of this plan."""
+        """Return the position rise of this form."""
         up_span, up_highest = self.up
         span, highest = self.across
         up = spline_rise(self.order, up_span, self.acceleration, up_highest)
@@ -73,8 +73,8 @@ class SwingPlan:
         return swing_rise(up, self.hold, across, self.distance)
 
 
-def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPlan:
-    """Plan a move whose innermost rise is the perfect spline of derivative `level`.
+def chain_form(distance: float, bounds: Sequence[float], level: int) -> ChainForm:
+    """Return the move whose innermost rise is the perfect spline of derivative `level`.
 
     Parameters
     ----------
@@ -100,11 +100,11 @@ def chain_plan(distance: float, bounds: Sequence[float], level: int) -> ChainPla
         span = 2.0 * span + hold
         holds.append(hold)
         peaks.append(peak)
-    return ChainPlan(*core, tuple(holds), tuple(peaks), span)
+    return ChainForm(*core, tuple(holds), tuple(peaks), span)
 
 
-def swing_plan(distance: float, bounds: Sequence[float]) -> SwingPlan | None:
-    """Plan Thompson's longer move without cruise (Section IV); None where it breaks a bound.
+def swing_form(distance: float, bounds: Sequence[float]) -> SwingForm | None:
+    """Return Thompson's longer move without cruise (Section IV); None where it breaks a bound.
 
     Where the distance is too short to hold A, A is lowered until the hold vanishes.
     """
@@ -124,18 +124,18 @@ def swing_plan(distance: float, bounds: Sequence[float]) -> SwingPlan | None:
     if acceleration * (0.5 * up[0] + hold + velocity_gain * across[0]) > velocity:
         return None
     duration = 2.0 * (up[0] + hold) + across[0]
-    return SwingPlan(order, acceleration, distance, up, across, hold, duration)
+    return SwingForm(order, acceleration, distance, up, across, hold, duration)
 
 
-def fastest_plan(distance: float, bounds: Sequence[float]) -> ChainPlan | SwingPlan:
-    """Return the shortest of all closed-form plans; for n ≤ 3 it is the minimum time."""
-    plans: list[ChainPlan | SwingPlan] = [
-        chain_plan(distance, bounds, level) for level in range(len(bounds))
+def fastest_form(distance: float, bounds: Sequence[float]) -> ChainForm | SwingForm:
+    """Return the shortest of all closed forms; for n ≤ 3 it is the minimum time."""
+    forms: list[ChainForm | SwingForm] = [
+        chain_form(distance, bounds, level) for level in range(len(bounds))
     ]
-    swing = swing_plan(distance, bounds)
+    swing = swing_form(distance, bounds)
     if swing is not None:
-        plans.append(swing)
-    return min(plans, key=lambda plan: plan.duration)
+        forms.append(swing)
+    return min(forms, key=lambda form: form.duration)
 
 
 def spline_span(peak: float, inner: Sequence[float]) -> tuple[float, float]:

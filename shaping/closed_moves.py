@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import frexp, inf, isfinite, isinf, ldexp, log
+from math import inf, isfinite
 from sys import float_info
 
 import numpy as np
 
 from .. import core
 from .checks import finite, range_error
-from .closed_form import fastest_plan
+from .closed_form import fastest_form
 from .derivatives import derivative_name
 from .limits import Limits, check_both_sides, of_one, one_sided
-from .rise import spline_divisor, to_trajectory
+from .move_units import in_own_units
+from .rise import to_trajectory
 from .trajectory import Trajectory, point, within_range
 
-_EXTREME = 200  # a power of two of a unit that is left as it is
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
 MAX_MOVE_ORDER = 14
@@ -52,7 +52,7 @@ def planned(
         return point(start, limits.order)
     forward = limits if distance > 0.0 else limits.mirror()
     _check_bounded_ahead(forward)
-    move = _in_own_units(plan, abs(distance), _without_idle(abs(distance), forward))
+    move = _in_own_units(plan, abs(distance), forward)
     if distance < 0.0:
         move = move.mirror()
     return move.shift(start) if start else move
@@ -62,48 +62,14 @@ def _in_own_units(
     plan: Callable[[float, Limits], Trajectory], distance: float, limits: Limits
 ) -> Trajectory:
     """Return a move planned in units of its own, powers of two, where those given are extreme."""
-    n, length = limits.order, frexp(distance)[1]
-    time = (length - frexp(min(-limits.lower[-1], limits.upper[-1]))[1]) // n
-    if max(abs(length), abs(time)) <= _EXTREME:
-        return plan(distance, limits)
-
-    def scaled() -> Trajectory:
-        bounds = [
-            (ldexp(low, k * time - length), ldexp(high, k * time - length))
-            for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True), 1)
-        ]
-        if not all(low and high for low, high in bounds):
-            raise OverflowError
-        move = plan(ldexp(distance, -length), Limits.from_bounds(bounds))
-        powers = length - time * np.arange(n + 1)
-        return Trajectory.from_arrays(
-            np.ldexp(move.breaks, time),
-            np.ldexp(move.states, powers),
-            np.ldexp(move.durations, time),
-            np.ldexp(move.end_state, powers),
-        )
-
-    return within_range(scaled)
-
-
-def _without_idle(distance: float, limits: Limits) -> Limits:
-    """Return limits without those that can never bind: 2²⁰ times what the spline would reach.
-
-    The perfect spline within the highest bound D alone takes T = (c·R/D)^(1/n), and no derivative
-    k of a move passes D·T^(n−k); in logarithms, because the bounds may be as large as doubles go.
-    """
-    n = limits.order
-    highest = log(min(-limits.lower[-1], limits.upper[-1]))
-    duration = (log(distance) + log(spline_divisor(n)) - highest) / n
-
-    def kept(bound: float, k: int) -> bool:
-        return isinf(bound) or log(abs(bound)) <= highest + (n - k) * duration + 20.0 * log(2.0)
-
-    pairs = [
-        (low if kept(low, k) else -inf, high if kept(high, k) else inf)
-        for k, (low, high) in enumerate(zip(limits.lower[:-1], limits.upper, strict=False), 1)
+    sides = [
+        (np.array(low), np.array(high))
+        for low, high in zip(limits.lower, limits.upper, strict=True)
     ]
-    return Limits.from_bounds([*pairs, (limits.lower[-1], limits.upper[-1])])
+    units, own, bounds = in_own_units(np.array(distance), sides)
+    within = Limits.from_bounds([(float(low), float(high)) for low, high in bounds])
+    move = plan(float(own), within)
+    return within_range(lambda: units.trajectory(move)) if units.time or units.length else move
 
 
 def fastest(distance: float, limits: Limits) -> Trajectory:
@@ -116,7 +82,7 @@ def fastest(distance: float, limits: Limits) -> Trajectory:
     bounds = magnitudes(limits)
     if not float_info.min <= distance / bounds[-1] < inf:
         raise OverflowError
-    return to_trajectory(fastest_plan(distance, bounds).build())
+    return to_trajectory(fastest_form(distance, bounds).build())
 
 
 def magnitudes(limits: Limits) -> list[float]:

@@ -22,7 +22,7 @@ from .transfers.problem import check_order
 
 
 @dataclass(frozen=True, eq=False)
-class FollowerResponse:
+class FollowerResponse(Frozen):
     """What a follower makes of a series of commands.
 
     Attributes

@@ -1,48 +1,55 @@
-"""Nouns that stay read-only when they are copied, or sent to another process."""
+"""Nouns that are read-only, and stay so when they are copied or sent to another process."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 
 class Frozen:
-    """A frozen dataclass whose copies and pickles are as read-only as itself.
+    """A frozen dataclass whose arrays and mappings are read-only, as are those of its copies.
 
-    They have its fields alone: what it has worked out and kept is worked out again.
+    Copies and pickles have its fields alone: what it has worked out and kept is worked out again.
+    A class with a `__post_init__` of its own calls this one at the end.
     """
 
+    def __post_init__(self) -> None:
+        """Look at arrays and mappings of the fields through read-only views, without a copy."""
+        self.__setstate__({name: vars(self)[name] for name in _names(self)})
+
     def __getstate__(self) -> dict[str, Any]:
-        """Return the fields, what is read-only among them marked."""
-        names = {field.name for field in fields(self)}  # type: ignore[arg-type]
-        return {name: _marked(value) for name, value in vars(self).items() if name in names}
+        """Return the fields, mappings as plain ones, which can be pickled."""
+        return {name: _plain(getattr(self, name)) for name in _names(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take over fields, what is marked made read-only again."""
-        vars(self).update({name: _restored(value) for name, value in state.items()})
+        """Take over fields, all read-only."""
+        vars(self).update({name: _read_only(value) for name, value in state.items()})
 
 
-class _ReadOnly(NamedTuple):
-    """An array or a mapping that is to be read-only."""
-
-    value: Any
+def _names(noun: Any) -> list[str]:
+    return [field.name for field in fields(noun)]
 
 
-def _marked(value: Any) -> Any:
-    if isinstance(value, np.ndarray) and not value.flags.writeable:
-        return _ReadOnly(value)
-    if isinstance(value, MappingProxyType):
-        return _ReadOnly({name: _marked(part) for name, part in value.items()})
-    return tuple(map(_marked, value)) if type(value) is tuple else value
+def _read_only(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        view = value.view()
+        view.flags.writeable = False
+        return view
+    if isinstance(value, dict | MappingProxyType):
+        return MappingProxyType(_each(_read_only, value))
+    return _each(_read_only, value)
 
 
-def _restored(value: Any) -> Any:
-    if type(value) is not _ReadOnly:
-        return tuple(map(_restored, value)) if type(value) is tuple else value
-    if isinstance(value.value, dict):
-        return MappingProxyType({name: _restored(part) for name, part in value.value.items()})
-    value.value.flags.writeable = False
-    return value.value
+def _plain(value: Any) -> Any:
+    return _each(_plain, value)
+
+
+def _each(change: Callable[[Any], Any], value: Any) -> Any:
+    """Return a tuple or a mapping with every part changed, anything else as it is."""
+    if isinstance(value, dict | MappingProxyType):
+        return {name: change(part) for name, part in value.items()}
+    return tuple(map(change, value)) if type(value) is tuple else value

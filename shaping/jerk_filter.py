@@ -11,17 +11,18 @@ from numpy.typing import ArrayLike
 
 from .checks import of_kind, positive, whole
 from .derivatives import derivative_number
+from .frozen import Frozen
 from .pieces import FloatArray
 from .propagate import grid, inputs_on_grid, propagate
 from .real_numbers import real_array, real_number
-from .trajectory import Trajectory, checked_trajectory
+from .trajectory import Motion, Trajectory, as_trajectory
 
 MAX_FILTER_ORDER = 50
 """Highest filter order accepted."""
 
 
 @dataclass(frozen=True, eq=False)
-class FilterResponse:
+class FilterResponse(Frozen):
     """Exact response of a filter on a uniform time grid.
 
     Attributes
@@ -103,15 +104,15 @@ class JerkFilter:
         b[0, 0] = self.omega
         return a, b
 
-    def steady_state(self, trajectory: Trajectory, derivative: int | str = 0) -> FloatArray:
+    def steady_state(self, trajectory: Motion, derivative: int | str = 0) -> FloatArray:
         """Return z, shape (m,), after derivative k of a trajectory has coasted in for ever."""
         k = derivative_number(derivative)
-        coasting = (*checked_trajectory(trajectory).coasting_in(), 0.0)
+        coasting = (*as_trajectory(trajectory).coasting_in(), 0.0)
         level, slope = coasting[k : k + 2] if k < 2 else (0.0, 0.0)
         return np.asarray(level - slope * np.arange(1, self.order + 1) / self.omega)
 
     def respond(
-        self, trajectory: Trajectory, dt: float, *, duration: float | None = None
+        self, trajectory: Motion, dt: float, *, duration: float | None = None
     ) -> FilterResponse:
         """Return the exact response to a trajectory that coasted for ever before its start.
 
@@ -141,7 +142,7 @@ class JerkFilter:
         with ωT of 1e4 behind moves that start 100 T late, where the rounding of the break times
         shows.
         """
-        dt, trajectory = positive("dt", dt), checked_trajectory(trajectory)
+        dt, trajectory = positive("dt", dt), as_trajectory(trajectory)
         if duration is None:
             duration = trajectory.duration + self.settling_time(1e-6)
         time = grid(trajectory.start_time, positive("duration", duration), dt)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -28,9 +28,10 @@ class Limits(Frozen):
     velocity, acceleration, jerk, snap, crackle, pop : number, pair or array, optional
         A positive number bounds the magnitude; a tuple or list (lower, upper) with
         lower < 0 < upper bounds the two directions apart. For many problems, an array (m,) is m
-        bounds on the magnitude, an array (m, 2) m pairs; so is any array whose last axis has two
-        elements. The sides of a pair may be arrays, too. Shapes of problems broadcast with one
-        another, (50, 1) with (60,), as in numpy. Left out, None or infinite means unbounded.
+        bounds on the magnitude, also where m is 2, and an array (m, 2) is m pairs, as is any of
+        two or more dimensions whose last is 2. The sides of a pair may be arrays, too: then it
+        is one pair for each problem. Shapes of problems broadcast with one another, (50, 1) with
+        (60,), as in numpy. Left out, None or infinite means unbounded.
         Units are the caller's: any consistent distance and time unit.
 
     Attributes
@@ -84,7 +85,8 @@ class Limits(Frozen):
         Parameters
         ----------
         bounds : iterable of number, pair, array or None
-            Bound on derivative 1, 2, 3, …; as in `Limits`.
+            Bound on derivative 1, 2, 3, …; as in `Limits`. An array gives its rows: (n,) numbers,
+            (n, 2) pairs, (n, m) or (n, m, 2) those of m problems.
         """
         limits = object.__new__(cls)
         limits._set(tuple(entries("bounds", bounds)))
@@ -215,7 +217,10 @@ def of_one(limits: object) -> Limits:
 
 def not_limits(limits: object) -> TypeError:
     """Return the error for anything else than limits."""
-    return TypeError(f"limits = {shown(limits)}: expected Limits, such as Limits(acceleration=1.0)")
+    remedy = "; give bounds by name as Limits(**bounds)" if isinstance(limits, Mapping) else ""
+    return TypeError(
+        f"limits = {shown(limits)}: expected Limits, such as Limits(acceleration=1.0){remedy}"
+    )
 
 
 def check_both_sides(limits: Limits) -> None:

@@ -6,7 +6,7 @@ autonomous linear system
     d/dθ [x; p] = [[A·dt, B̃], [0, N]] [x; p],   θ = t/dt,   p_k = r^(k)·dt^k
 
 with N the shift matrix: no integration error, whatever dt. Across a break p is reset to the next
-piece's own state; within a piece the states at the samples are found a block at a time.
+piece's own state; within a piece the states at the samples are found a stride at a time.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from .derivatives import derivative_name
 from .pieces import INVERSE_FACTORIALS, MAX_SAMPLES, FloatArray, evaluate
 from .trajectory import Trajectory
 
-_BLOCK = 256  # samples found by one matrix product
-_POWERS = 2**18  # entries of their powers, which for large systems shortens the blocks
+_STRIDE = 256  # samples found by one matrix product
+_POWERS = 2**18  # entries of their powers, which for large systems shortens the strides
 _PRODUCT = 2**17  # multiplications at a time: larger products start threads, which cost more here
 _SERIES_NORM = 2.0  # up to this norm of A·t the Taylor series of exp(A·t)·x is the faster way
 _ON_GRID = 1e-13  # a break this near to a sample, relative to its index, lies on it
@@ -137,7 +137,7 @@ def propagate(
     check_fed(trajectory, derivatives)
     system = _Driven(a, b, derivatives, trajectory.order, dt, discrete=discrete)
     pieces = _Pieces.make(trajectory, dt)
-    powers = system.powers(min(max(isqrt(count), 1), _BLOCK, _POWERS // system.generator.size + 1))
+    powers = system.powers(min(max(isqrt(count), 1), _STRIDE, _POWERS // system.generator.size + 1))
     if out is None:
         out = np.empty((len(a), count))
     out[:, 0] = initial
@@ -165,15 +165,15 @@ class _Pieces:
         starts, _ = _breaks_on_grid(trajectory, dt)
         return cls(starts, (states * scale).T)
 
-    def runs(self, count: int, block: int) -> Iterator[tuple[int, int, int, FloatArray]]:
+    def runs(self, count: int, stride: int) -> Iterator[tuple[int, int, int, FloatArray]]:
         """Yield, for each piece with samples, its number, its first sample and the next piece's.
 
-        With them comes p at every `block`-th of these samples and at the last, (n + 1, …).
+        With them comes p at every `stride`-th of these samples and at the last, (n + 1, …).
         """
         firsts = [*np.minimum(np.ceil(self.starts), count).astype(int).tolist(), count]
         held = [i for i in range(len(self.starts)) if firsts[i] < firsts[i + 1]]
         spans = [(firsts[i], firsts[i + 1]) for i in held]
-        at = [np.append(np.arange(first, after, block), after - 1) for first, after in spans]
+        at = [np.append(np.arange(first, after, stride), after - 1) for first, after in spans]
         sizes = [len(samples) for samples in at]
         inputs = self.at(np.repeat(held, sizes), np.concatenate(at).astype(float))
         ends = np.cumsum(sizes).tolist()
@@ -220,14 +220,14 @@ class _Driven:
         self.generator = generator * self.scale / self.scale[:, None]
         self.norm = float(np.abs(self.generator).sum(axis=0).max())
 
-    def powers(self, block: int) -> FloatArray:
-        """Return the rows of x in the matrices that take [x; p] by 0 … block steps."""
+    def powers(self, stride: int) -> FloatArray:
+        """Return the rows of x in the matrices that take [x; p] by 0 … stride steps."""
         change = self._change
         stack = np.eye(len(change))[None, : self.size]
-        while len(stack) <= block:
+        while len(stack) <= stride:
             stack = np.concatenate([stack, stack + stack @ change])
             change = 2.0 * change + change @ change
-        scaled: FloatArray = stack[: block + 1] * self.scale[: self.size, None] / self.scale
+        scaled: FloatArray = stack[: stride + 1] * self.scale[: self.size, None] / self.scale
         return scaled
 
     def cross(self, z: FloatArray, pieces: _Pieces, piece: int, k: int) -> FloatArray:
@@ -290,25 +290,25 @@ def _exponential_less_one(matrix: FloatArray, norm: float) -> FloatArray:
 
 
 def _balance(generator: FloatArray, size: int) -> FloatArray:
-    """Return d, powers of two, that make d⁻¹·generator·d as small as its first block allows.
+    """Return d, powers of two, that make d⁻¹·generator·d as small as its first corner allows.
 
-    Row and column sums of the first, size × size, block are brought to agree; the rest is
-    nilpotent behind a one-way coupling, and can be made as small as that block.
+    Row and column sums of the first, size × size, corner are brought to agree; the rest is
+    nilpotent behind a one-way coupling, and can be made as small as that corner.
     """
     scale = np.ones(len(generator))
-    block = np.abs(generator[:size, :size])
-    own = block.diagonal().copy()
-    np.fill_diagonal(block, 0.0)
+    corner = np.abs(generator[:size, :size])
+    own = corner.diagonal().copy()
+    np.fill_diagonal(corner, 0.0)
     for _ in range(_BALANCING_SWEEPS):
-        rows, columns = block.sum(axis=1), block.sum(axis=0)
+        rows, columns = corner.sum(axis=1), corner.sum(axis=0)
         both = (rows > 0.0) & (columns > 0.0)
         exponent = np.zeros(size)
         exponent[both] = np.round(0.25 * np.log2(rows[both] / columns[both]))
         if not exponent.any():
             break
         scale[:size] *= np.exp2(exponent)
-        block *= np.exp2(exponent[None, :] - exponent[:, None])
-    small = _power_of_two(min(max((own + block.sum(axis=0)).max(initial=0.0), _SMALL), 1.0))
+        corner *= np.exp2(exponent[None, :] - exponent[:, None])
+    small = _power_of_two(min(max((own + corner.sum(axis=0)).max(initial=0.0), _SMALL), 1.0))
     scale[size:] = small ** np.arange(len(generator) - size)
     coupling = np.abs(generator[:size, size:]) * scale[size:] / scale[:size, None]
     largest = coupling.max(initial=0.0)
@@ -322,24 +322,24 @@ def _power_of_two(value: float) -> float:
 
 
 def _fill(out: FloatArray, inputs: FloatArray, powers: FloatArray) -> None:
-    """Fill the states of one piece, block by block; out[:, 0] is given.
+    """Fill the states of one piece, stride by stride; out[:, 0] is given.
 
-    `inputs` (n + 1, blocks) holds p at the first sample of each block.
+    `inputs` (n + 1, strides) holds p at the first sample of each stride.
     """
     size, count = out.shape
-    block, blocks = len(powers) - 1, inputs.shape[1]
-    starts = np.empty((blocks, size + len(inputs)))
+    stride, strides = len(powers) - 1, inputs.shape[1]
+    starts = np.empty((strides, size + len(inputs)))
     starts[:, size:] = inputs.T
     starts[0, :size] = x = out[:, 0].copy()
-    leap = powers[block][:, :size]
-    driven = inputs.T @ powers[block][:, size:].T
-    for j in range(1, blocks):
+    leap = powers[stride][:, :size]
+    driven = inputs.T @ powers[stride][:, size:].T
+    for j in range(1, strides):
         x = leap @ x + driven[j - 1]
         starts[j, :size] = x
-    whole = count // block
+    whole = count // stride
     for i in range(size):
-        within = powers[:block, i]
-        # a row of `out` is contiguous: its blocks are written in place, without a copy
-        product(starts[:whole], within.T, out[i, : whole * block].reshape(whole, block))
-        if whole < blocks:
-            out[i, whole * block :] = within[: count - whole * block] @ starts[whole]
+        within = powers[:stride, i]
+        # a row of `out` is contiguous: its strides are written in place, without a copy
+        product(starts[:whole], within.T, out[i, : whole * stride].reshape(whole, stride))
+        if whole < strides:
+            out[i, whole * stride :] = within[: count - whole * stride] @ starts[whole]

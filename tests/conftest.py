@@ -1,7 +1,8 @@
-"""Hypothesis profiles: a short deterministic tier, and a long one by JOUNCE_TIER=slow."""
+"""Hypothesis profiles (short and deterministic, long by JOUNCE_TIER=slow), and example surveys."""
 
 import os
 import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -9,6 +10,30 @@ from hypothesis import settings
 settings.register_profile("fast", derandomize=True, deadline=None, max_examples=40)
 settings.register_profile("slow", deadline=None, max_examples=1000, print_blob=True)
 settings.load_profile("slow" if os.environ.get("JOUNCE_TIER") == "slow" else "fast")
+
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+def survey_of(name: str):
+    from jounce.app import survey_file
+
+    return survey_file(EXAMPLES / f"{name}.toml")
+
+
+@pytest.fixture(scope="session")
+def telescope():
+    return survey_of("telescope")
+
+
+@pytest.fixture(scope="session")
+def published():
+    return survey_of("telescope_published_gains")
+
+
+@pytest.fixture(scope="session")
+def rubin():
+    return survey_of("rubin_mount")
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,8 @@ import pytest
 from references import replay
 
 from jounce.shaping import SCurveMove, Trajectory, s_curve_move
-from jounce.shaping.transfers.s_curve_plan import Pieces, Rates, plan_move
+from jounce.shaping.transfers.s_curve_plan import plan_move
+from jounce.shaping.transfers.s_curve_rates import Pieces, Rates
 
 
 @dataclass(frozen=True, repr=False)

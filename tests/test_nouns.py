@@ -43,6 +43,7 @@ from jounce.plant import (
     Inertia,
     InertiaFeedforward,
     LeadLag,
+    LoopResponse,
     LowPass,
     Notch,
     Ramp,
@@ -86,7 +87,7 @@ NOUNS = [
     Limits(np.array([1.0, 2.0]), (-1.0, 2.0), np.array([[-3.0, 1.0], [-4.0, 5.0]])),
     MOVE,
     Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0]]),
-    Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]),
+    Transfer(MOVE, LIMITS),
     SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]),
     min_time_transfer((0.0, 2.0), 1.0, LIMITS),
     min_time_transfers([[0.0], [1.0]], [3.0], LIMITS),
@@ -147,8 +148,13 @@ NAMES = [f"{type(noun).__name__} {i}" for i, noun in enumerate(NOUNS)]
 COPIES = {
     "copy": copy.copy,
     "deep copy": copy.deepcopy,
-    "pickle": lambda noun: pickle.loads(pickle.dumps(noun)),
-    "pickle of a pickle": lambda noun: pickle.loads(pickle.dumps(copy.deepcopy(noun))),
+    "pickle of a copy": lambda noun: pickle.loads(pickle.dumps(copy.deepcopy(noun))),
+    **{
+        f"pickle {protocol}": lambda noun, protocol=protocol: pickle.loads(
+            pickle.dumps(noun, protocol)
+        )
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1)
+    },
 }
 
 
@@ -183,11 +189,33 @@ def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun, way):
         assert type(other) is type(value), path
         if isinstance(value, np.ndarray):
             np.testing.assert_array_equal(other, value, err_msg=path)
-            assert other.flags.writeable == value.flags.writeable, path
+            assert not other.flags.writeable, path
         elif not dataclasses.is_dataclass(value) and not isinstance(value, tuple | list | dict):
             same = value == other or value != value or isinstance(value, MappingProxyType)
             assert same, (path, value, other)
     assert repr(way(noun)) == repr(noun)
+
+
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
+def test_nothing_in_a_noun_can_be_written_to(noun):
+    for path, value in parts(noun):
+        if isinstance(value, np.ndarray):
+            assert not value.flags.writeable, path
+            with pytest.raises(ValueError, match="read-only"):
+                value[...] = 0
+        assert not isinstance(value, list | dict | set), path
+        if dataclasses.is_dataclass(value):
+            for field in dataclasses.fields(value):
+                with pytest.raises(dataclasses.FrozenInstanceError):
+                    setattr(value, field.name, None)
+
+
+def test_a_noun_leaves_the_arrays_it_is_made_of_as_they_are():
+    times = np.arange(3.0)
+    response = LoopResponse(times, *np.zeros((3, 3, 3)))
+    assert times.flags.writeable
+    assert not response.time.flags.writeable
+    assert not dataclasses.replace(response, time=times + 1.0).time.flags.writeable
 
 
 @pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
@@ -212,7 +240,6 @@ def test_a_copied_trajectory_cannot_be_written_to_and_goes_on(way):
     )
 
 
-def test_a_transfer_made_from_arrays_says_what_it_lacks():
-    assert Transfer([0.0, 1.0], [[0.0, 1.0, 0.0]]).limits is None
+def test_a_move_made_from_arrays_says_what_it_lacks():
     with pytest.raises(ValueError, match="was made from arrays: plan it by s_curve_move"):
         SCurveMove([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]).append(1.0)

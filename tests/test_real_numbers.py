@@ -36,10 +36,10 @@ from jounce.plant import (
     InertiaFeedforward,
     ServoLoop,
     design_pid,
-    printed_pid,
     respond,
     zero_order_hold,
 )
+from jounce.plant.pid import printed_pid
 from jounce.shaping import (
     CommandFollower,
     JerkFilter,
@@ -54,11 +54,11 @@ from jounce.shaping import (
     min_time_transfer,
     min_time_transfers,
     perfect_spline,
-    recursive_s_curve,
     s_curve_move,
     synchronize,
     velocity_transfer,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
 MOVE = min_time_move(3.0, LIMITS)

@@ -39,9 +39,9 @@ from jounce.shaping import (
     binding_limits,
     certify,
     min_time_move,
-    recursive_s_curve,
     synchronize,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
 MOVE = min_time_move(3.0, LIMITS)

@@ -1,20 +1,20 @@
 """Shapers as filters: frequency response, residual vibration, describing functions."""
 
-from .cascaded_lags import CascadedLags, cascaded_lags
-from .describing_function import (
+from .describing_functions import (
     DescribingFunction,
     PeriodicResponse,
     describing_function,
     periodic_response,
 )
-from .first_order_lag import FirstOrderLag, first_order_lag, rate_limiter_corner_omega
-from .frequency import (
+from .frequency_responses import (
     FrequencyResponse,
     corner_omega,
     fft_frequency_response,
     frequency_response,
     rollover_db_per_decade,
 )
+from .lag_cascade import CascadedLags, cascaded_lags
+from .nearest_lag import FirstOrderLag, first_order_lag, rate_limiter_corner_omega
 from .nulls import NullBySize, null_by_size, null_omegas, null_rise_time
 from .placement import place_null
 from .vibration import VibrationMap, residual_vibration, vibration_map

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from ...shaping import Limits, Trajectory, min_time_move
 from ...shaping.checks import positive, whole
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
 from ...shaping.pieces import MAX_ORDER
-from ...shaping.trajectory import checked_trajectory
+from ...shaping.trajectory import Motion, as_trajectory
 from .spectrum import checked_distances, move_distance, spectrum_bound, velocity_spectrum
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ _STAYS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class NullBySize:
+class NullBySize(Frozen):
     """The null nearest to a frequency, over the distance of the move.
 
     Attributes
@@ -83,7 +84,7 @@ class NullBySize:
         )
 
 
-def null_omegas(trajectory: Trajectory, highest: float) -> FloatArray:
+def null_omegas(trajectory: Motion, highest: float) -> FloatArray:
     """Return the frequencies up to a highest one at which the response is zero.
 
     Those of a motion that runs backwards as it runs forwards: g(ω) = H(jω)·e^(jωT/2) is real,
@@ -117,7 +118,7 @@ def null_omegas(trajectory: Trajectory, highest: float) -> FloatArray:
     >>> null_omegas(min_time_move(1.0, Limits(acceleration=1.0)), 14.0) / (2.0 * np.pi)
     array([1., 2.])
     """
-    return _nulls_between(checked_trajectory(trajectory), 0.0, positive("highest", highest))
+    return _nulls_between(as_trajectory(trajectory), 0.0, positive("highest", highest))
 
 
 def null_by_size(limits: Limits, distances: ArrayLike, frequency_hz: float) -> NullBySize:

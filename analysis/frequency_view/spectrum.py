@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...shaping import Trajectory
 from ...shaping.pieces import FloatArray, evaluate
-from ...shaping.trajectory import checked_trajectory
+from ...shaping.trajectory import Motion, as_trajectory
 from ...shaping.trajectory_checks import finite_array
 
 if TYPE_CHECKING:
@@ -21,9 +21,7 @@ _ROUNDING = 1e-9  # a jump smaller than this part of its derivative's peak is no
 _BLOCK = 2**17  # numbers at a time, to bound the memory
 
 
-def velocity_spectrum(
-    trajectory: Trajectory, s: ArrayLike, *, from_end: bool = False
-) -> ComplexArray:
+def velocity_spectrum(trajectory: Motion, s: ArrayLike, *, from_end: bool = False) -> ComplexArray:
     """Return the Laplace transform of the velocity from start to end.
 
         V(s) = ∫ v(t)·e^(−st) dt = Σ_k Σ_i Δx^(k)(t_i)·e^(−s·t_i) / s^k
@@ -52,7 +50,7 @@ def velocity_spectrum(
     from the start for Re s ≥ 0, from the end for Re s < 0, is within 1e-13·∫|v| dt of its value in
     60 digits at any frequency, for orders to 7.
     """
-    frequencies = np.asarray(s, dtype=complex)
+    trajectory, frequencies = as_trajectory(trajectory), np.asarray(s, dtype=complex)
     flat = frequencies.ravel()
     total = np.empty(flat.size, dtype=complex)
     step = max(1, _BLOCK // trajectory.states.size) if trajectory.states.size else _BLOCK
@@ -89,16 +87,17 @@ def variations(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
     return np.abs(_jumps(grid)).sum(axis=1), np.append(within, 0.0)
 
 
-def check_rest(trajectory: Trajectory) -> None:
-    """Refuse what is no trajectory, or moves at its start or end."""
-    checked_trajectory(trajectory)
+def at_rest(motion: Motion) -> Trajectory:
+    """Return the trajectory of a move from rest to rest; refuse what moves at its start or end."""
+    trajectory = as_trajectory(motion)
     if any([trajectory.coasting_in()[1], *trajectory.end_state[1 : trajectory.order].tolist()]):
         raise ValueError(f"{trajectory!r}: expected a move from rest to rest; it moves at an end")
+    return trajectory
 
 
-def move_distance(trajectory: Trajectory) -> float:
+def move_distance(motion: Motion) -> float:
     """Return the distance of a move from rest to rest, other than zero."""
-    check_rest(trajectory)
+    trajectory = at_rest(motion)
     distance = float(trajectory.end_state[0] - trajectory.start_state[0])
     if not distance:
         raise ValueError(

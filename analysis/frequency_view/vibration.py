@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ...shaping import JerkFilter, Limits, min_time_move
 from ...shaping.checks import finite
 from ...shaping.drawing import draw
+from ...shaping.frozen import Frozen
 from ...shaping.jerk_filter import checked_filter
 from ...shaping.moves import Method
+from ...shaping.trajectory import Motion
 from ...shaping.trajectory_checks import finite_array
-from .spectrum import check_rest, checked_distances, velocity_spectrum
+from .spectrum import at_rest, checked_distances, velocity_spectrum
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +30,7 @@ _APART = 0.1  # |p + ω_c|/ω_c of a mode and a filter that can be told apart
 
 
 @dataclass(frozen=True, eq=False)
-class VibrationMap:
+class VibrationMap(Frozen):
     """Residual vibration over the distance of the move and the frequency of the mode.
 
     Attributes
@@ -67,7 +69,7 @@ class VibrationMap:
 
 
 def residual_vibration(
-    trajectory: Trajectory,
+    trajectory: Motion,
     frequency_hz: ArrayLike,
     damping: ArrayLike = 0.0,
     *,
@@ -126,7 +128,7 @@ def residual_vibration(
     >>> round(float(residual_vibration(move, 2.0, damping=0.02)), 4)
     0.0003
     """
-    check_rest(trajectory)
+    trajectory = at_rest(trajectory)
     frequencies, ratios = np.broadcast_arrays(
         _positive_array("frequency_hz", frequency_hz), checked_damping(damping)
     )

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .axis import set_on_axis
 from .batch_roots import degrees, roots, trimmed
 from .batch_turning import turning_points
 from .crossings import TOUCH_TOLERANCE
 from .factored_loop import Complex, Real
+from .imaginary_axis import set_on_axis
 
 Mask = npt.NDArray[np.bool_]
 

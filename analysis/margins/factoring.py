@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .axis import set_on_axis
 from .factored_loop import Complex, FactoredLoop, Real
+from .imaginary_axis import set_on_axis
 from .w_plane import around_one, on_w_plane
 
 if TYPE_CHECKING:

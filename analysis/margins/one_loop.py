@@ -11,7 +11,7 @@ from .batch_crossings import OnePieces, Pieces, pieces_of
 from .batch_crossings import stable as is_stable_by_count
 from .batch_margins import at_edges, at_limits, gain_margins_at, phase_and_delay
 from .batch_modulus import DISTANCE, QUOTIENT, Measure, modulus
-from .delay import rightmost_poles
+from .delayed_poles import rightmost_poles
 from .factored_loop import Complex, FactoredLoop, Real, is_stable
 from .factoring import factored
 from .passages import Passages, passages

@@ -10,8 +10,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..reading import read_json
+from ...shaping.frozen import Frozen
 from ..scenario_messages import key_path
+from ..text_files import read_json
 from ..units import UnitError, conversion, show
 from .check_file import CheckError
 from .conditions import Conditions
@@ -34,7 +35,7 @@ class Stored:
 
 
 @dataclass(frozen=True)
-class Baseline:
+class Baseline(Frozen):
     """The numbers of a scenario, or of a loop alone, whose `scenario` and unit are None.
 
     `conditions` are what the numbers depend on; None in the file of a version that stored none.

@@ -10,8 +10,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..reading import read_toml
 from ..scenario_messages import key_path
+from ..text_files import read_toml
 from ..units import show
 from .numbers import Key, Number
 

@@ -11,7 +11,7 @@ from pytest_regressions.common import perform_regression_check
 from ...analysis.margins import LoopMargins, loop_margins
 from ...plant import ServoLoop
 from ...shaping.checks import finite
-from ..output import write_files
+from ..result_files import write_files
 from .baseline import Baseline, in_unit, load_baseline
 from .check_file import CheckError, Checks, Requirement
 from .comparison import compare, measured_baseline
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pytest
     from pytest_datadir.plugin import LazyDataDir
 
-    from ...analysis.survey import Survey
+    from ...analysis.loop_survey import Survey
     from ..scenario import Scenario
 
     Loop: TypeAlias = control.StateSpace | control.TransferFunction | ServoLoop | LoopMargins
@@ -113,7 +113,7 @@ class MarginsRegression:
 def _measured(loop: Checked, delay: float) -> tuple[tuple[Number, ...], str | None, Conditions]:
     """Return the numbers of a loop, the unit of positions among them, and their conditions."""
     __tracebackhide__ = True
-    from ...analysis.survey import Survey, UnstableLoopError
+    from ...analysis.loop_survey import Survey, UnstableLoopError
     from ..scenario import Scenario
     from ..scenario_survey import ScenarioSurvey, survey_file
 

@@ -11,8 +11,8 @@ from ...shaping.derivatives import derivative_name
 from ..scenario_messages import key_path
 
 if TYPE_CHECKING:
+    from ...analysis.loop_survey import MoveSurvey, Survey
     from ...analysis.margins import LoopMargins
-    from ...analysis.survey import MoveSurvey, Survey
 
 Key = tuple[str, ...]
 """A number's name in parts: ("moves", "60 arcsec step", "settling_time_s")."""

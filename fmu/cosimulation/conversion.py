@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isfinite
 
+from ...units import SPELLINGS, UNITS
 from ..exporting.units import unit_definition
 from ..importing.description import FmuUnit
 
 NO_UNIT = ("", "1", "-")
 """Names with which files say that there is no unit."""
 
-_SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", " ": ".", "µ": "u", "μ": "u", "^": None})
-_NAMES = {"rpm": "rev/min", "r/min": "rev/min", "°": "deg"}
-_KELVIN = (("K", 1),)
+_SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", " ": ".", "^": None} | SPELLINGS)
+_NAMES = {"r/min": "rpm", "°": "deg"}
 _OFFSETS = {
-    name: FmuUnit(name, _KELVIN, factor, zero)
-    for names, factor, zero in (
-        (("degC", "°C", "Cel"), 1.0, 273.15),
-        (("degF", "°F"), 5.0 / 9.0, 459.67 * 5.0 / 9.0),
-    )
-    for name in names
+    name: FmuUnit(name, tuple(unit.powers.items()), float(unit.size), float(unit.zero))
+    for symbol, unit in UNITS.items()
+    for name in (symbol, *unit.words)
+    if unit.zero
 }
 
 

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...shaping import Trajectory
 from ...shaping.checks import positive
 from ...shaping.pieces import FloatArray
+from ...shaping.trajectory import Motion
 from ..importing.description import FmuError, FmuTerminated, candidates
 from ..importing.stepping import Fmu
 from .cosimulation_result import CosimulationResult
@@ -131,7 +131,7 @@ def cosimulate(
             f"most {MAX_VALUES}; use a larger dt or a shorter duration"
         )
     wiring = connect(parts, connections, time)
-    sources = frozenset(n for n, block in blocks.items() if isinstance(block, Trajectory))
+    sources = frozenset(n for n, block in blocks.items() if isinstance(block, Motion))
     with progress_bar(progress) as advance, np.errstate(over="ignore", invalid="ignore"):
         run, error = _run(parts, wiring, time, sequence, sources, method == "jacobi", advance)
     delays, extra = _delays(wiring, method, sequence, sources)

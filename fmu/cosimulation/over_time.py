@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ...shaping import Trajectory
 from ...shaping.checks import finite
 from ...shaping.pieces import FloatArray
+from ...shaping.trajectory import Motion
 from ..importing.description import FmuError
 
 Source = Any
@@ -53,7 +53,7 @@ def over_time(
     FmuError
         For tables of unequal length, times that decrease, values that are not finite.
     """
-    if isinstance(source, Trajectory):
+    if isinstance(source, Motion):
         return np.asarray(source(time)), ""
     if callable(source):
         name = f"source of {target} at time"

@@ -9,11 +9,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...plant.respond import state_space
+from ...plant.exact_response import state_space
 from ...plant.sampled import zero_order_hold
 from ...shaping import Trajectory
 from ...shaping.derivatives import derivative_name
 from ...shaping.pieces import FloatArray
+from ...shaping.trajectory import Motion, as_trajectory
 from ..importing.description import FmuDescription, FmuError, FmuTerminated, FmuUnit
 from ..importing.ports import WIDE
 from ..importing.stepping import Fmu
@@ -56,8 +57,8 @@ def participant(name: str, block: Any, dt: float, time: FloatArray) -> Participa
 
     if isinstance(block, Fmu):
         return _FmuBlock(name, block, dt)
-    if isinstance(block, Trajectory):
-        return _Source(block, time)
+    if isinstance(block, Motion):
+        return _Source(as_trajectory(block), time)
     linear = control.StateSpace | control.TransferFunction
     system = block if isinstance(block, linear) else _own_system(block)
     if isinstance(system, linear):

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...plant.exact_response import state_space
 from ...plant.flexible_inertia import FlexibleInertia
 from ...plant.inertia import Inertia
-from ...plant.respond import state_space
 from ...shaping import CommandFollower, JerkFilter, Trajectory
+from ...shaping.trajectory import Planned
 from .blocks import Block
 from .linear_blocks import linear_block
 from .loop_blocks import SampledController, controller_block, inertia_block
@@ -71,6 +72,7 @@ SampledLoop, StateSpace or TransferFunction
     """
     if isinstance(source, Block):
         return source if name is None else replace(source, name=name)
+    source = source.trajectory if isinstance(source, Planned) else source
     for kind, own_name, make in _KINDS:
         if isinstance(source, kind):
             if not isinstance(unit, str):

@@ -122,8 +122,8 @@ def _discrete(system: control.StateSpace, name: str, unit_of: Mapping[str, str])
         "discrete",
         constants=_sizes(system) | {"SAMPLE_TIME": repr(dt)},
         tables={
-            "by_state": _rows(np.vstack([system.A, system.C])),
-            "by_input": _rows(np.vstack([system.B, system.D])),
+            "row_by_state": _rows(np.vstack([system.A, system.C])),
+            "row_by_input": _rows(np.vstack([system.B, system.D])),
         },
         memory=system.nstates,
         sample_time=dt,

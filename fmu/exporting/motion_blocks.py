@@ -6,7 +6,6 @@ import numpy as np
 
 from ...shaping import CommandFollower, JerkFilter, Trajectory
 from ...shaping.derivatives import derivative_name
-from ...shaping.pieces import INVERSE_FACTORIALS
 from .blocks import (
     LEAST_POSITIVE,
     MAX_DOUBLE,
@@ -59,14 +58,13 @@ def trajectory_block(trajectory: Trajectory, name: str, unit: str) -> Block:
         "trajectory",
         constants={
             "ORDER": str(trajectory.order),
-            "N_BREAKS": str(len(trajectory.breaks)),
+            "N_PIECES": str(len(trajectory.durations)),
             "LAST_STEP": "0",
         },
         tables={
             "breaks": trajectory.breaks.tolist(),
-            "longest": [MAX_DOUBLE, *trajectory.durations.tolist(), MAX_DOUBLE],
+            "durations": trajectory.durations.tolist() or [0.0],
             "states": rows.tolist(),
-            "inverse_factorials": INVERSE_FACTORIALS[: trajectory.order + 1].tolist(),
         },
         memory=1,
         start_time=trajectory.start_time,

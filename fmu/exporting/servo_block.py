@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...plant.respond import state_space
+from ...plant.exact_response import state_space
 from ...plant.servo_loop import ServoLoop
 from ...shaping import JerkFilter, Trajectory
-from ...shaping.checks import positive
+from ...shaping.checks import of_kind, positive
 from ...shaping.propagate import check_fed
+from ...shaping.trajectory import as_trajectory
 from . import units
 from .blocks import Block, Variable, output, sample_time_constant, signal
 from .linear_blocks import linear_block
@@ -48,9 +49,8 @@ class SampledLoop:
     jerk_filter: JerkFilter | None = None
 
     def __post_init__(self) -> None:
-        for name, kind in (("trajectory", Trajectory), ("loop", ServoLoop)):
-            if not isinstance(getattr(self, name), kind):
-                raise TypeError(f"{name} = {getattr(self, name)!r}: expected a {kind.__name__}")
+        object.__setattr__(self, "trajectory", as_trajectory(self.trajectory))
+        of_kind("loop", self.loop, ServoLoop, "a ServoLoop")
         object.__setattr__(self, "dt", positive("dt", self.dt))
         check_commands(self.trajectory, self.jerk_filter)
 
@@ -101,7 +101,7 @@ def servo_block(sampled: SampledLoop, name: str, unit: str) -> Block:
         tuple(variables),
         "servo",
         constants=sizes
-        | {key: motion.constants[key] for key in ("ORDER", "N_BREAKS")}
+        | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
         | {
             "SAMPLE_TIME": repr(dt),
             "N_LAGS": str(0 if behind is None else behind.order),

@@ -12,8 +12,9 @@ from typing import Any
 
 from ...plant.inertia import Inertia
 from ...plant.servo_loop import ServoLoop
-from ...shaping import JerkFilter, Trajectory
-from ...shaping.checks import finite, positive
+from ...shaping import JerkFilter
+from ...shaping.checks import finite, of_kind, positive
+from ...shaping.trajectory import Motion, as_trajectory
 from . import units
 from .archive import archive, target_file, write_atomically
 from .blocks import Block, Variable, check_xml_name
@@ -58,7 +59,7 @@ class SspExport:
 
 def export_ssp(
     path: str | PathLike[str],
-    trajectory: Trajectory,
+    trajectory: Motion,
     loop: ServoLoop,
     *,
     dt: float,
@@ -128,9 +129,8 @@ def export_ssp(
     >>> made.components
     ('controller', 'plant', 'shaper')
     """
-    for name, value, kind in (("trajectory", trajectory, Trajectory), ("loop", loop, ServoLoop)):
-        if not isinstance(value, kind):
-            raise TypeError(f"{name} = {value!r}: expected a {kind.__name__}")
+    trajectory = as_trajectory(trajectory)
+    of_kind("loop", loop, ServoLoop, "a ServoLoop")
     dt, unit = positive("dt", dt), position_unit(unit)
     check_commands(trajectory, jerk_filter)
     lasting = trajectory.duration

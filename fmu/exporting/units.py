@@ -4,50 +4,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from math import pi
+from decimal import Decimal
 
-_FACTOR = re.compile(r"([A-Za-z]+)(-?[1-9][0-9]*)?")
-_ANGLES = {
-    "rad": 1.0,
-    "mrad": 1e-3,
-    "urad": 1e-6,
-    "deg": pi / 180.0,
-    "arcmin": pi / 10800.0,
-    "arcsec": pi / 648000.0,
-    "mas": pi / 648000e3,
-    "rev": 2.0 * pi,
-}
-_LENGTHS = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
-_OTHERS: dict[str, tuple[float, dict[str, int]]] = {
-    "kg": (1.0, {"kg": 1}),
-    "g": (1e-3, {"kg": 1}),
-    "A": (1.0, {"A": 1}),
-    "mA": (1e-3, {"A": 1}),
-    "K": (1.0, {"K": 1}),
-    "Hz": (1.0, {"s": -1}),
-    "N": (1.0, {"kg": 1, "m": 1, "s": -2}),
-    "kN": (1e3, {"kg": 1, "m": 1, "s": -2}),
-    "mN": (1e-3, {"kg": 1, "m": 1, "s": -2}),
-    "Pa": (1.0, {"kg": 1, "m": -1, "s": -2}),
-    "kPa": (1e3, {"kg": 1, "m": -1, "s": -2}),
-    "MPa": (1e6, {"kg": 1, "m": -1, "s": -2}),
-    "bar": (1e5, {"kg": 1, "m": -1, "s": -2}),
-    "J": (1.0, {"kg": 1, "m": 2, "s": -2}),
-    "kJ": (1e3, {"kg": 1, "m": 2, "s": -2}),
-    "W": (1.0, {"kg": 1, "m": 2, "s": -3}),
-    "kW": (1e3, {"kg": 1, "m": 2, "s": -3}),
-    "MW": (1e6, {"kg": 1, "m": 2, "s": -3}),
-    "V": (1.0, {"kg": 1, "m": 2, "s": -3, "A": -1}),
-    "mV": (1e-3, {"kg": 1, "m": 2, "s": -3, "A": -1}),
-    "kV": (1e3, {"kg": 1, "m": 2, "s": -3, "A": -1}),
-}
-_SYMBOLS = (
-    {name: (factor, {"rad": 1}) for name, factor in _ANGLES.items()}
-    | {name: (factor, {"m": 1}) for name, factor in _LENGTHS.items()}
-    | {name: (factor, {"s": 1}) for name, factor in _TIMES.items()}
-    | _OTHERS
-)
+from ...units import BASE, Unit, unit
+
+_POWER = re.compile(r"([A-Za-z]+)(-?[1-9][0-9]?)?")
+_ANGLE, _LENGTH = {"rad": 1}, {"m": 1}
 
 
 @dataclass(frozen=True)
@@ -78,34 +40,41 @@ def unit_definition(name: str) -> UnitDefinition:
     >>> unit_definition("N/mm").factor
     1000.0
     """
-    factor, exponents = 1.0, dict.fromkeys(("kg", "m", "s", "A", "K", "rad"), 0)
+    size, exponents = Decimal(1), dict.fromkeys(BASE, 0)
     for sign, text in re.findall(r"(^|[./])([^./]*)", name):
         if text == "1" and sign != ".":
             continue
-        found = _FACTOR.fullmatch(text)
-        if not found or found[1] not in _SYMBOLS:
-            raise ValueError(
-                f"unit {name!r}: {text!r} is not known; expected symbols such as "
-                f"{', '.join(list(_SYMBOLS)[:4])}, m, mm, s, kg, N, A, V joined by '.' and '/'"
-            )
-        power = int(found[2] or 1) * (-1 if sign == "/" else 1)
-        size, base = _SYMBOLS[found[1]]
-        factor *= size**power
-        for symbol, exponent in base.items():
+        found, power = _power(name, text)
+        power *= -1 if sign == "/" else 1
+        size *= found.size**power
+        for symbol, exponent in found.powers.items():
             exponents[symbol] += power * exponent
-    return UnitDefinition(name, factor, tuple((k, n) for k, n in exponents.items() if n))
+    return UnitDefinition(name, float(size), tuple((k, n) for k, n in exponents.items() if n))
 
 
-def rate(unit: str, order: int) -> str:
+def _power(name: str, text: str) -> tuple[Unit, int]:
+    found = _POWER.fullmatch(text)
+    try:
+        if not found or (read := unit(found[1])).zero:
+            raise KeyError(text)
+    except KeyError:
+        raise ValueError(
+            f"unit {name!r}: {text!r} is not known; expected symbols such as "
+            "rad, deg, arcsec, m, mm, s, kg, N, A, V joined by '.' and '/'"
+        ) from None
+    return read, int(found[2] or 1)
+
+
+def rate(position: str, order: int) -> str:
     """Return the unit of derivative `order` of a quantity: rad/s2."""
-    return unit if order == 0 else f"{unit}/s{order if order > 1 else ''}"
+    return position if order == 0 else f"{position}/s{order if order > 1 else ''}"
 
 
 def effort(position: str) -> str:
     """Return the unit of what moves a position: torque, force, or 1/s2 where it has no unit."""
     if position == "1":
         return "1/s2"
-    return "N" if position in _LENGTHS else "N.m"
+    return "N" if unit(position).powers == _LENGTH else "N.m"
 
 
 def inertia(position: str) -> str:
@@ -118,17 +87,21 @@ def gain(position: str, time_power: int) -> str:
     """Return the unit of effort per position, times s to a power."""
     if position == "1":
         return rate("1", 2 - time_power)
-    unit = effort(position)
+    moving = effort(position)
     if time_power > 0:
-        return f"{unit}.s/{position}"
-    return f"{unit}/{position}" + ("/s" if time_power < 0 else "")
+        return f"{moving}.s/{position}"
+    return f"{moving}/{position}" + ("/s" if time_power < 0 else "")
 
 
-def position_unit(unit: str) -> str:
+def position_unit(name: str) -> str:
     """Return a unit of position, checked."""
-    if unit not in ("1", *_ANGLES, *_LENGTHS):
+    try:
+        known = name == "1" or unit(name).powers in (_ANGLE, _LENGTH)
+    except KeyError:
+        known = False
+    if not known:
         raise ValueError(
-            f"unit = {unit!r}: expected a unit of position, one of "
-            f"1, {', '.join((*_ANGLES, *_LENGTHS))}"
+            f"unit = {name!r}: expected a unit of position: 1, an angle such as rad, deg or "
+            "arcsec, or a length such as m, mm or um"
         )
-    return unit
+    return name

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable
 from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint64, c_void_p
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 
 from ...core import FMI2_MARK, fmi2_logger
 from .description import FmuDescription, FmuError
-from .instance import Functions, Instance
+from .instance import DoStep, EnterInitialization, Functions, Instance, Version, instance_of
 from .log import DISCARD, TERMINATED, WARNING, Log
 
 DTYPES: dict[str, Any] = {
@@ -72,23 +71,11 @@ def instantiate(
         0,
         int(logging_on),
     )
-    if not found:
-        raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
-    handle = c_void_p(found)
-    return Instance(
-        call,
-        handle,
-        do_step=_stepper(call, handle, log),
-        enter_initialization=_initializer(call, handle),
-        state_word="FMUstate",
-        sized=False,
-        kept=callbacks,
-    )
+    name = description.model_name
+    return instance_of(found, call, _VERSION, name=name, log=log, kept=callbacks)
 
 
-def _stepper(
-    call: Functions, handle: c_void_p, log: Log
-) -> Callable[[float, float, bool], tuple[int, float]]:
+def _stepper(call: Functions, handle: c_void_p, log: Log) -> DoStep:
     function = call("DoStep", c_void_p, c_double, c_double, c_int)
 
     def do_step(time: float, length: float, no_way_back: bool) -> tuple[int, float]:
@@ -119,9 +106,7 @@ def _asked(call: Functions, handle: c_void_p, time: float) -> tuple[bool, float]
     return bool(ended.value), max(reached.value, time)
 
 
-def _initializer(
-    call: Functions, handle: c_void_p
-) -> Callable[[float, float | None, float | None], int]:
+def _initializer(call: Functions, handle: c_void_p) -> EnterInitialization:
     setup = call("SetupExperiment", c_void_p, c_int, c_double, c_double, c_int, c_double)
     enter = call("EnterInitializationMode", c_void_p)
 
@@ -134,6 +119,9 @@ def _initializer(
         return status if status > WARNING else max(status, enter(handle))
 
     return enter_initialization
+
+
+_VERSION = Version("FMUstate", sized=False, stepper=_stepper, initializer=_initializer)
 
 
 _latest: list[ReferenceType[Log]] = []

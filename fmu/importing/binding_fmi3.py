@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
 from ctypes import c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .description import FmuDescription, FmuError
-from .instance import ARRAY, Functions, Instance
+from .description import FmuDescription
+from .instance import (
+    ARRAY,
+    DoStep,
+    EnterInitialization,
+    Functions,
+    Instance,
+    Version,
+    instance_of,
+)
 from .log import ERROR, TERMINATED, WARNING, Log
 
 DTYPES: dict[str, Any] = {
@@ -51,23 +58,11 @@ def instantiate(
         *(description.model_name.encode(), description.token.encode(), where),
         *(False, logging_on, False, False, None, 0, None, logger, None),
     )
-    if not found:
-        raise FmuError(f"{description.model_name} cannot be instantiated{log.told()}")
-    handle = c_void_p(found)
-    return Instance(
-        call,
-        handle,
-        do_step=_stepper(call, handle, log),
-        enter_initialization=_initializer(call, handle),
-        state_word="FMUState",
-        sized=True,
-        kept=logger,
-    )
+    name = description.model_name
+    return instance_of(found, call, _VERSION, name=name, log=log, kept=logger)
 
 
-def _stepper(
-    call: Functions, handle: c_void_p, log: Log
-) -> Callable[[float, float, bool], tuple[int, float]]:
+def _stepper(call: Functions, handle: c_void_p, log: Log) -> DoStep:
     function = call("DoStep", c_void_p, c_double, c_double, c_bool, ARRAY, ARRAY, ARRAY, ARRAY)
     flags, last = (c_bool * 3)(), c_double()
     first = ctypes.addressof(flags)
@@ -94,9 +89,7 @@ def _stepper(
     return do_step
 
 
-def _initializer(
-    call: Functions, handle: c_void_p
-) -> Callable[[float, float | None, float | None], int]:
+def _initializer(call: Functions, handle: c_void_p) -> EnterInitialization:
     enter = call("EnterInitializationMode", c_void_p, c_bool, c_double, c_double, c_bool, c_double)
 
     def enter_initialization(
@@ -107,3 +100,6 @@ def _initializer(
         return status
 
     return enter_initialization
+
+
+_VERSION = Version("FMUState", sized=True, stepper=_stepper, initializer=_initializer)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import c_char_p, c_size_t, c_void_p
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -12,8 +13,16 @@ import numpy as np
 
 from ...shaping.pieces import FloatArray
 from .description import FmuError
+from .log import Log
 
 ARRAY = c_void_p
+
+DoStep = Callable[[float, float, bool], tuple[int, float]]
+"""Of time and length of the step, and whether no state before it will be gone back to (FMI's
+noSetFMUStatePriorToCurrentPoint). Returns status and the time that was reached."""
+
+EnterInitialization = Callable[[float, float | None, float | None], int]
+"""Of start time, stop time or None, tolerance or None. Returns status."""
 
 
 class Functions:
@@ -41,6 +50,26 @@ class Functions:
         return function
 
 
+@dataclass(frozen=True)
+class Version:
+    """What calls on an instance are in one version of FMI and not in the other.
+
+    Attributes
+    ----------
+    state_word : str
+        How it spells FMUState.
+    sized : bool
+        Whether its functions take the number of values behind the values.
+    stepper, initializer : callable
+        What makes the step, and the start of the initialisation, of an instance.
+    """
+
+    state_word: str
+    sized: bool
+    stepper: Callable[[Functions, c_void_p, Log], DoStep]
+    initializer: Callable[[Functions, c_void_p], EnterInitialization]
+
+
 class Instance:
     """An instance of an FMU; calls that may fail return FMI's status.
 
@@ -49,15 +78,8 @@ class Instance:
     functions : Functions
     handle : c_void_p
         What the FMU's instantiation returned.
-    do_step : callable
-        Of time and length of the step, and whether no state before it will be gone back to
-        (FMI's noSetFMUStatePriorToCurrentPoint). Returns status and the time that was reached.
-    enter_initialization : callable
-        Of start time, stop time or None, tolerance or None.
-    state_word : str
-        How this version of FMI spells FMUState.
-    sized : bool
-        Whether its functions take the number of values behind the values.
+    version : Version
+    log : Log
     kept : object
         What must live as long as the instance, such as its callbacks.
     """
@@ -68,23 +90,15 @@ class Instance:
     """Whether it had its inputs before the last step, where they are sent with it."""
 
     def __init__(
-        self,
-        functions: Functions,
-        handle: c_void_p,
-        *,
-        do_step: Callable[[float, float, bool], tuple[int, float]],
-        enter_initialization: Callable[[float, float | None, float | None], int],
-        state_word: str,
-        sized: bool,
-        kept: object,
+        self, functions: Functions, handle: c_void_p, version: Version, log: Log, kept: object
     ) -> None:
-        self.do_step = do_step
-        self.enter_initialization = enter_initialization
+        self.do_step = version.stepper(functions, handle, log)
+        self.enter_initialization = version.initializer(functions, handle)
         self._call = functions
         self._handle = handle
-        self._state_word = state_word
-        self._sized = sized
-        self._boolean = ctypes.c_bool if sized else ctypes.c_int
+        self._state_word = version.state_word
+        self._sized = version.sized
+        self._boolean = ctypes.c_bool if version.sized else ctypes.c_int
         self._kept = kept
         for name in ("ExitInitializationMode", "Terminate", "Reset"):
             functions(name, c_void_p)
@@ -223,6 +237,15 @@ class Instance:
             *(self._handle, _references(references), len(references)),
             *(_address(values), *self._size(values)),
         )
+
+
+def instance_of(
+    found: int | None, call: Functions, version: Version, *, name: str, log: Log, kept: object
+) -> Instance:
+    """Return what an FMU has instantiated; FmuError, with what it logged, where it refused."""
+    if not found:
+        raise FmuError(f"{name} cannot be instantiated{log.told()}")
+    return Instance(call, c_void_p(found), version, log, kept)
 
 
 def _address(values: Any) -> c_void_p:

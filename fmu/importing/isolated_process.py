@@ -20,7 +20,7 @@ from .description import FmuDescription, FmuError
 from .instance import Instance
 from .library import load_library, unload
 from .log import TERMINATED, WARNING, Log
-from .stepping import binding_of
+from .versions import binding_of
 
 _LOOK_S = 0.5
 

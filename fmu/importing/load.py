@@ -17,8 +17,9 @@ from .isolation import RemoteInstance, isolate
 from .library import Session, find_library
 from .log import Log
 from .reading import describe
-from .stepping import Experiment, Fmu, binding_of
+from .stepping import Experiment, Fmu
 from .unpacking import open_fmu, unpack
+from .versions import binding_of
 
 _STEPS = 1000
 _SPAN = 1.0  # of time, where an FMU names none

@@ -1,4 +1,4 @@
-"""What a caller names of an FMU: variables to record, and values to start with."""
+"""What a caller names of an FMU: variables to record, to start with, to read and to set."""
 
 from __future__ import annotations
 
@@ -66,4 +66,31 @@ def _check_settable(variable: FmuVariable) -> None:
         raise FmuError(
             f"{variable.name!r} cannot be set ({variable.causality}, {variable.variability}): "
             "expected a parameter, a start value or an input"
+        )
+
+
+def check_tunable(description: FmuDescription, name: str, numbers: Collection[str]) -> None:
+    """Refuse what is not set between steps: all but tunable parameters and inputs of other types.
+
+    `numbers` are the types of variable that hold numbers, which inputs `step` takes.
+    """
+    variable, _ = description.element(name)
+    entered = variable.causality == "input"
+    if entered and variable.type in numbers:
+        raise FmuError(f"{name!r} is an input: give it to `step`")
+    if not entered and variable.variability != "tunable":
+        tunable = [v.name for v in description.variables if v.variability == "tunable"]
+        raise FmuError(
+            f"{name!r} is not a tunable parameter ({variable.causality}, "
+            f"{variable.variability}): give it to load_fmu or reset"
+            + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
+        )
+
+
+def check_type(variable: FmuVariable, numbers: Collection[str]) -> None:
+    """Refuse a variable of a type that has no values here, such as a clock."""
+    if variable.type not in (*numbers, "String", "Binary"):
+        raise FmuError(
+            f"{variable.name!r} is of type {variable.type}, which has no value to be read or "
+            "set here: leave it out"
         )

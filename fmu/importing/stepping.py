@@ -1,4 +1,4 @@
-"""An FMU as a fast stepping object, and its snapshots."""
+"""An FMU as a fast stepping object."""
 
 from __future__ import annotations
 
@@ -12,24 +12,23 @@ from typing import TYPE_CHECKING, Any, NoReturn, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...shaping.checks import positive
 from ...shaping.pieces import FloatArray
-from . import binding_fmi2, binding_fmi3
-from .description import FmuDescription, FmuError, FmuTerminated, FmuVariable
+from .description import FmuDescription, FmuError, FmuVariable
 from .instance import Instance
 from .library import Session
-from .log import DISCARD, FATAL, GONE, STATUS, TERMINATED, WARNING, Log
+from .log import TERMINATED, WARNING, Log
 from .ports import Port, shown
-from .settings import recorded_signals, start_settings
+from .settings import check_tunable, check_type, recorded_signals, start_settings
+from .snapshot import FmuState
+from .standing import Standing
 from .values import flat_values, one_value, own_shape, read, start_values, write
+from .versions import binding_of
 
 if TYPE_CHECKING:
     import control
 
     from .isolation import RemoteInstance
 
-_STEP_TOLERANCE = 1e-9
-_REACHED = 1e-6  # of a step: what may be missing of one that was finished
 _DOUBLE = np.dtype(float)
 
 
@@ -41,27 +40,6 @@ class Experiment:
     start_time: float = 0.0
     stop_time: float | None = None
     tolerance: float | None = None
-
-
-class FmuState:
-    """A snapshot of an FMU, of `Fmu.get_state`; freed with the last reference to it."""
-
-    __slots__ = ("__weakref__", "_clock", "_inputs", "_pointer", "_session")
-
-    def __init__(
-        self, session: Session, pointer: int, clock: tuple[float, int, float], inputs: FloatArray
-    ) -> None:
-        self._session = session
-        self._pointer = pointer
-        self._clock = clock
-        self._inputs = inputs
-        session.states.add(pointer)
-
-    def __del__(self) -> None:
-        self._session.free_state(self._pointer)
-
-    def __reduce__(self) -> NoReturn:
-        raise TypeError("an FmuState cannot be copied or pickled: take another with get_state")
 
 
 class Fmu:
@@ -114,13 +92,9 @@ class Fmu:
         starts = [value for variable in inputs for value in start_values(variable)]
         self._start_inputs = np.array(starts, self._inputs.values.dtype)
         self._given: Mapping[str, Any] = {}
-        self._refusal: FmuError | None = None
-        self._doubt = ""
-        self._at_start = False
         self._experiment = experiment
-        self._time = experiment.start_time
-        self._clock = (self._time, 0, 0.0)
-        self._finalizer = weakref.finalize(self, session.close)
+        finalizer = weakref.finalize(self, session.close)
+        self._at = Standing(description, session, log, close=finalizer)
 
     def _attach(self) -> None:
         """Make a new instance, and keep at hand what every step needs."""
@@ -154,7 +128,7 @@ class Fmu:
         )
 
     def __repr__(self) -> str:
-        state = f"at time {self._time:g}" if self._finalizer.alive else "closed"
+        state = f"at time {self._at.time:g}" if self._at.is_open else "closed"
         return (
             f"<Fmu {self.description.model_name}: {', '.join(self.input_names) or 'no inputs'} → "
             f"{', '.join(self.output_names) or 'no outputs'}, {state}>"
@@ -163,13 +137,13 @@ class Fmu:
     @property
     def time(self) -> float:
         """Communication point at which the FMU stands."""
-        return self._time
+        return self._at.time
 
     @property
     def outputs(self) -> FloatArray:
         """Outputs at the present communication point, (number of outputs,)."""
-        self._check_ready(reading=True)
-        self._check(self._fetch(), "show its outputs")
+        self._at.check_ready(reading=True)
+        self._at.check(self._fetch(), "show its outputs")
         return shown(self._found)
 
     @property
@@ -223,37 +197,36 @@ class Fmu:
         TypeError
             For an input that is no number.
         """
-        if self._refusal is not None:
-            self._check_ready()
-        length = self._length(dt)
+        at = self._at
+        if at.refusal is not None:
+            at.check_ready()
+        length = self.dt if dt is None else at.checked_length(dt)
         before = self._values.copy()
         try:
             if inputs is not None:
                 self._take(inputs)
-            base, count, last = self._clock
-            if length != last:
-                base, count = self._time, 0
-            status, reached = self._do_step(self._time, length, not self._states)
+            after = at.clock_after(length)
+            status, reached = self._do_step(at.time, length, not self._states)
             if status > WARNING and status != TERMINATED:
                 if not self._instance.took_inputs:
                     self._refused_inputs(status)
-                self._fail(status, f"step from time {self._time!r} by {length!r}", stopped=True)
+                at.fail(status, f"step from time {at.time!r} by {length!r}", stopped=True)
         except BaseException as error:
             self._values[:] = before
             if not isinstance(error, Exception):
-                self._stop(f"after a step that was interrupted at time {self._time:g}")
-            elif inputs is not None and self._refusal is None:
+                at.stop(f"after a step that was interrupted at time {at.time:g}")
+            elif inputs is not None and at.refusal is None:
                 self._put()
             raise
-        self._at_start = False
+        at.at_start = False
         if status == TERMINATED:
-            self._end(reached, self._time + length, length)
-        count += 1
-        self._clock = (base, count, length)
-        self._time = base + count * length
+            ended = at.end(reached, at.time + length, length)
+            ended.outputs = self.outputs
+            raise ended
+        at.go_to(after)
         status = self._fetch()
         if status > WARNING:
-            self._fail(status, "show its outputs", stopped=True)
+            at.fail(status, "show its outputs", stopped=True)
         return self._show()
 
     def _take(self, inputs: Mapping[str, float] | ArrayLike) -> None:
@@ -273,32 +246,32 @@ class Fmu:
             self._refused_inputs(status)
 
     def _refused_inputs(self, status: int) -> NoReturn:
-        self._fail(status, f"take the inputs {self._values.tolist()}", stopped=False)
+        self._at.fail(status, f"take the inputs {self._values.tolist()}", stopped=False)
 
     def reset(self, parameters: Mapping[str, Any] | None = None) -> None:
         """Go back to the start time, with the start values and the parameters of `load_fmu`.
 
         `parameters`, if given, take the place of those. What `set` has changed is undone.
         """
-        self._check_open()
+        self._at.check_open()
         self._session.stepping = False
-        ended = self._terminated and not self._states
-        self._stop("before it is initialised again")
+        ended = self._at.terminated and not self._states
+        self._at.stop("before it is initialised again")
         if ended:  # some FMUs forget to reset that they have ended
             self._renew()
         else:
-            self._check(self._instance.reset(), "be reset")
+            self._at.check(self._instance.reset(), "be reset")
         self.initialize(self._given if parameters is None else parameters)
 
     def restart(self) -> None:
         """Go back to the start by a new instance, as some FMUs reset themselves in part only."""
-        self._check_open()
+        self._at.check_open()
         self._renew()
         self.initialize(self._given)
 
     def twin(self) -> Fmu:
         """Return another instance of the FMU, at its start, in memory of its own."""
-        self._check_open()
+        self._at.check_open()
         session = Session(self._session.folder, twin=True)
         try:
             made = Fmu(
@@ -318,7 +291,7 @@ class Fmu:
     @property
     def at_start(self) -> bool:
         """Whether nothing has been done to it since its initialisation."""
-        return self._at_start
+        return self._at.at_start
 
     def _renew(self) -> None:
         self._session.free_instance()
@@ -330,25 +303,22 @@ class Fmu:
         As long as it is alive, the FMU is told in each step that it may have to go back; without
         any, that it will not, so that it may keep less and give out results once and for all.
         """
-        self._check_ready()
+        self._at.check_ready()
         self.check_rollback("take snapshots")
         status, pointer = self._instance.get_state()
-        self._check(status, "give its state")
-        return FmuState(self._session, pointer, self._clock, self._values.copy())
+        self._at.check(status, "give its state")
+        return FmuState(self._session, pointer, self._at.clock, self._values.copy())
 
     def set_state(self, state: FmuState) -> None:
         """Go back, or forward, to a snapshot of this instance: time, inputs and all."""
-        self._check_open()
+        self._at.check_open()
         if not isinstance(state, FmuState):
             raise TypeError(f"state = {state!r}: expected an FmuState, of this Fmu's get_state")
         if state._session is not self._session:
             raise FmuError("a state of another FMU: expected one of this instance's get_state")
-        self._check(self._instance.set_state(state._pointer), "go back to a state")
-        base, count, length = self._clock = state._clock
-        self._time = base + count * length
+        self._at.check(self._instance.set_state(state._pointer), "go back to a state")
         self._values[:] = state._inputs
-        self._refusal, self._doubt, self._at_start = None, "", False
-        self._session.stepping = True
+        self._at.recover(state._clock)
 
     def check_rollback(self, purpose: str) -> None:
         """Refuse `purpose` where the FMU cannot get and set its state."""
@@ -366,7 +336,7 @@ class Fmu:
         "A[1,2]", counted from 1; bytes for a binary; an int for an enumeration, whose
         `FmuVariable.items` name it.
         """
-        self._check_ready(reading=True)
+        self._at.check_ready(reading=True)
         variable, place = self.description.element(name)
         values = self._read(variable)
         if place is None:
@@ -380,19 +350,10 @@ class Fmu:
         enumeration as a number or an item's name. Fixed parameters are given to `load_fmu` or
         `reset`, inputs that are numbers to `step`.
         """
-        self._check_ready()
+        self._at.check_ready()
         variable, place = self.description.element(name)
-        entered = variable.causality == "input"
-        if entered and variable.type in self._dtypes:
-            raise FmuError(f"{name!r} is an input: give it to `step`")
-        if not entered and variable.variability != "tunable":
-            tunable = [v.name for v in self.description.variables if v.variability == "tunable"]
-            raise FmuError(
-                f"{name!r} is not a tunable parameter ({variable.causality}, "
-                f"{variable.variability}): give it to load_fmu or reset"
-                + (f"; tunable are {', '.join(tunable[:12])}" if tunable else "")
-            )
-        self._at_start = False
+        check_tunable(self.description, name, self._dtypes)
+        self._at.at_start = False
         if place is None:
             values = flat_values(variable, value)
         else:
@@ -408,13 +369,11 @@ class Fmu:
 
     def close(self) -> None:
         """Free the instance, unload its library, remove the temporary folder."""
-        if self._finalizer.alive:
-            self._finalizer()
-            self._refusal = FmuError(f"{self.description.model_name} is closed: load it again")
+        self._at.close()
 
     def directional(self, unknowns: list[FmuVariable], knowns: list[FmuVariable]) -> FloatArray:
         """Return ∂unknown/∂known at the present point, (number of unknowns, of knowns)."""
-        self._check_ready()
+        self._at.check_ready()
         columns = []
         for i in range(len(knowns)):
             seed = np.zeros(len(knowns))
@@ -422,7 +381,7 @@ class Fmu:
             status, column = self._instance.directional(
                 [v.value_reference for v in unknowns], [v.value_reference for v in knowns], seed
             )
-            self._check(status, "give directional derivatives")
+            self._at.check(status, "give directional derivatives")
             columns.append(column)
         return np.array(columns).T.reshape(len(unknowns), len(knowns))
 
@@ -438,115 +397,19 @@ class Fmu:
         start = asked.start_time
         status = self._instance.enter_initialization(start, asked.stop_time, asked.tolerance)
         what = f"be initialised{self.description.tool_hint}"
-        self._check(status, what)
-        self._check(self._instance.exit_initialization(), what)
-        self._session.stepping = True
-        self._refusal, self._doubt, self._at_start = None, "", True
+        self._at.check(status, what)
+        self._at.check(self._instance.exit_initialization(), what)
         self._given = given
-        self._time, self._clock = start, (start, 0, 0.0)
+        self._at.recover((start, 0, 0.0), at_start=True)
 
     def _read(self, variable: FmuVariable) -> list[Any]:
-        self._check_type(variable)
+        check_type(variable, self._dtypes)
         status, values = read(self._instance, variable, self._dtypes)
-        self._check(status, f"show {variable.name!r}")
+        self._at.check(status, f"show {variable.name!r}")
         return values
 
     def _write(self, variable: FmuVariable, values: list[Any]) -> None:
-        self._check_type(variable)
+        check_type(variable, self._dtypes)
         told = values if variable.shape else values[0]
         status = write(self._instance, variable, values, self._dtypes)
-        self._check(status, f"take {variable.name} = {told!r}")
-
-    def _check_type(self, variable: FmuVariable) -> None:
-        if variable.type not in (*self._dtypes, "String", "Binary"):
-            raise FmuError(
-                f"{variable.name!r} is of type {variable.type}, which has no value to be read or "
-                "set here: leave it out"
-            )
-
-    def _length(self, dt: float | None) -> float:
-        if dt is None:
-            return self.dt
-        length = positive("dt", dt)
-        last = self._clock[2] or length
-        fixed = not self.description.capabilities.can_handle_variable_step
-        if fixed and abs(length - last) > _STEP_TOLERANCE * last:
-            raise FmuError(
-                f"dt = {dt!r}: {self.description.model_name} takes steps of one length only, here "
-                f"{last!r}; reset it to begin with another"
-            )
-        return length
-
-    def _check_open(self) -> None:
-        if not self._finalizer.alive:
-            self._check_ready()
-
-    def _check_ready(self, *, reading: bool = False) -> None:
-        """Refuse calls that FMI does not allow now; after the end an FMU may still be read."""
-        if self._refusal is not None and not (reading and self._terminated):
-            raise self._refusal.with_traceback(None)
-
-    @property
-    def _terminated(self) -> bool:
-        return self._finalizer.alive and isinstance(self._refusal, FmuTerminated)
-
-    def _check(self, status: int, what: str) -> None:
-        if status > WARNING:
-            self._fail(status, what, stopped=status != DISCARD)
-
-    def _fail(self, status: int, what: str, *, stopped: bool) -> NoReturn:
-        """Raise what the FMU reported, and refuse what FMI does not allow after it."""
-        name = self.description.model_name
-        if status == GONE:
-            said = self._log.told() if self._log.messages else ""
-            raise self._lost(f"{name} {self._instance.ending} when it was to {what}{said}")
-        told = self._log.told()
-        if self._doubt and "call sequence" in told.lower():
-            told = ""  # which is no news after an error
-        message = (
-            f"{name} could not {what}: it "
-            f"{STATUS.get(status, f'returned status {status}')}{told}{self._doubt}"
-        )
-        self._doubt = f"; this came after an error at time {self._time:g}: call reset() first"
-        if status == FATAL:
-            raise self._lost(message)
-        if stopped:
-            self._session.stepping = False
-            self._stop(f"after the error at time {self._time:g}")
-        raise FmuError(message)
-
-    def _lost(self, message: str) -> FmuError:
-        """Close an FMU that must not be called any more, and return the error that says so."""
-        self._session.fatal = True
-        self.close()
-        self._refusal = FmuError(
-            f"{self.description.model_name} is closed ({message}): load it again"
-        )
-        return FmuError(f"{message}: load it again")
-
-    def _stop(self, since: str) -> None:
-        back = self.description.capabilities.can_get_and_set_state
-        self._refusal = FmuError(
-            f"{self.description.model_name} takes no calls {since}: call reset() first"
-            + (", or set_state with an earlier snapshot" if back else "")
-        )
-
-    def _end(self, reached: float, until: float, length: float) -> NoReturn:
-        """Keep what an FMU shows that has ended the simulation, and raise FmuTerminated."""
-        whole = abs(until - reached) <= _REACHED * length
-        self._time = until if whole else reached
-        self._clock = (self._time, 0, length)
-        error = FmuTerminated(
-            f"{self.description.model_name} asked for the end of the simulation: at time "
-            f"{self._time!r}{self._log.told() if self._log.messages else ''}; call reset() to "
-            "begin again"
-        )
-        error.time, error.reached = self._time, whole
-        self._refusal = error
-        error.outputs = self.outputs
-        raise error
-
-
-def binding_of(description: FmuDescription) -> Any:
-    """Return the module that speaks the FMU's version of FMI."""
-    return binding_fmi2 if description.fmi_version.startswith("2") else binding_fmi3
+        self._at.check(status, f"take {variable.name} = {told!r}")

@@ -1,4 +1,4 @@
-"""Chain plans on arrays: the formulas of `closed_form.chain_plan`, every move a lane."""
+"""Chains of pulses on arrays: the formulas of `closed_form.chain_form`, every move a lane."""
 
 from __future__ import annotations
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..derivatives import derivative_name
 from ..frozen import Frozen
 from ..limits import Limits
+from ..move_units import MoveUnits, in_own_units
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
-from . import plans
-from .lanes import AT_ONCE, Shape, in_threads, index_text, lanes, limits_of, sides
+from .forms import Forms, Lanes, fastest, most_pieces, pieces, trajectory
+from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
 
 _SPOILT = 1e-11  # an excess over a bound that is more than rounding
 
@@ -29,7 +29,7 @@ class ClosedForms(Frozen):
     distances: FloatArray
     starts: FloatArray
     limits: Limits
-    forms: plans.Forms
+    forms: Forms
 
     def __post_init__(self) -> None:
         for array in (self.distances, self.starts, self.forms):
@@ -43,36 +43,37 @@ class ClosedForms(Frozen):
         forms = np.empty(duration.shape, dtype=np.int8)
 
         def some(part: slice) -> None:
-            lengths, bounds = _seen_forward(distances, limits, duration.shape, part)
-            result = plans.plan(lengths, bounds)
-            duration.reshape(-1)[part], forms.reshape(-1)[part] = result
+            units, lengths, bounds = _seen_forward(distances, limits, duration.shape, part)
+            times, forms.reshape(-1)[part] = fastest(lengths, bounds)
+            duration.reshape(-1)[part] = units.times(times)
 
-        in_threads(some, duration.size, AT_ONCE // 2)  # whose arrays take half a megabyte
+        in_threads(some, duration.size, AT_ONCE // 8)  # whose arrays take half a megabyte
         return cls(distances, starts, limits, forms)
 
     @property
     def most(self) -> int:
         """Largest number of pieces of a motion."""
-        return plans.most_pieces(self.limits.order, self.forms)
+        return most_pieces(self.limits.order, self.forms)
 
-    def select(self, index: Any) -> ClosedForms:
+    def select(self, index: Index) -> ClosedForms:
         """Return the problems that an index of numpy selects."""
         limits = limits_of(self.limits, self.forms.shape, index)
         return ClosedForms(self.distances[index], self.starts[index], limits, self.forms[index])
 
-    def alone(self, index: Any) -> Trajectory:
+    def alone(self, index: Index) -> Trajectory:
         """Return one motion."""
         distance, start = float(self.distances[index]), float(self.starts[index])
         limits = limits_of(self.limits, self.forms.shape, index)
         if distance == 0.0:
             return point(start, limits.order)
         ahead = np.array([distance])
-        length, bounds = _seen_forward(ahead, limits, (1,), slice(0, 1))
+        units, length, bounds = _seen_forward(ahead, limits, (1,), slice(0, 1))
         form, numbers = int(self.forms[index]), [float(bound.item()) for bound in bounds]
-        move = within_range(lambda: plans.trajectory(float(length.item()), numbers, form))
+        move = within_range(lambda: trajectory(float(length.item()), numbers, form))
         spoilt = _spoilt_bound(move.states.T[..., None], bounds)
         if spoilt:
             raise _spoilt(spoilt[0], str(index))
+        move = within_range(lambda: units.select(0).trajectory(move))
         move = move if distance > 0.0 else move.mirror()
         return move.shift(start) if start else move
 
@@ -84,17 +85,20 @@ class ClosedForms(Frozen):
             np.broadcast_to(lanes(each, shape, some), count)
             for each in (self.distances, self.starts, self.forms)
         )
-        size, bounds = _seen_forward(self.distances, self.limits, shape, some)
+        units, size, bounds = _seen_forward(self.distances, self.limits, shape, some)
         ends[:], lengths[:] = 0.0, 0.0
         ends[:, 0] = starts + distances
         states[:] = ends[:, None]
         direction = np.where(distances < 0.0, -1.0, 1.0)
-        for chosen, durations, rows in plans.pieces(size, bounds, forms):
+        for chosen, durations, rows in pieces(size, bounds, forms):
             spoilt = _spoilt_bound(rows, [_of(bound, chosen) for bound in bounds])
             if spoilt:
                 move = int(np.arange(some.start, some.stop)[chosen][spoilt[1]])
                 raise _spoilt(spoilt[0], index_text(move, shape))
-            m, rows = len(durations), rows * direction[chosen]
+            own = units.select(chosen)
+            m, durations = len(durations), own.times(durations)
+            rows = np.stack([own.derivative(row, k) for k, row in enumerate(rows)])
+            rows *= direction[chosen]
             rows[0] += starts[chosen]
             lengths[chosen, :m] = durations.T
             states[chosen, :m] = rows.transpose(2, 1, 0)
@@ -104,8 +108,8 @@ class ClosedForms(Frozen):
 
 def _seen_forward(
     distances: FloatArray, limits: Limits, shape: Shape, some: slice
-) -> tuple[FloatArray, list[FloatArray]]:
-    """Return distances ≥ 0 (K,) and symmetric bounds on derivatives 1…n as their moves see them.
+) -> tuple[MoveUnits, FloatArray, list[FloatArray]]:
+    """Return units, and in them distances ≥ 0 (K,) and bounds on derivatives 1…n, seen forward.
 
     Velocity is bounded in the direction of motion, others by the smaller magnitude.
     """
@@ -114,10 +118,12 @@ def _seen_forward(
     (down, up), *others = sides(limits, shape, some)
     even = down.ndim == up.ndim == 0 and -down == up
     velocity = up if even else np.where(distance >= 0.0, up, -down)
-    return np.abs(distance), [velocity, *(np.minimum(high, -low) for low, high in others)]
+    bounds = [velocity, *(np.minimum(high, -low) for low, high in others)]
+    units, size, own = in_own_units(np.abs(distance), [(-bound, bound) for bound in bounds])
+    return units, size, [high for _, high in own]
 
 
-def _of(bound: FloatArray, chosen: plans.Lanes) -> FloatArray:
+def _of(bound: FloatArray, chosen: Lanes) -> FloatArray:
     return bound[chosen] if bound.ndim else bound
 
 

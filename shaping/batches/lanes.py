@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from os import cpu_count
-from typing import Any
+from types import EllipsisType
+from typing import SupportsIndex, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..limits import Limits
 from ..pieces import FloatArray
@@ -15,6 +17,12 @@ from ..pieces import FloatArray
 AT_ONCE = 8192  # problems whose arrays stay in the processor's cache, worth a thread of their own
 
 Shape = tuple[int, ...]
+
+_Along = SupportsIndex | slice | EllipsisType | None | NDArray[np.intp] | NDArray[np.bool_]
+Index = _Along | tuple[_Along, ...]
+"""What selects some problems of a batch, as of numpy's arrays."""
+
+_Number = TypeVar("_Number", bound=np.generic)
 
 
 def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE) -> None:
@@ -28,7 +36,7 @@ def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE
         list(pool.map(work, parts))
 
 
-def lanes(values: np.ndarray[Any, Any], shape: Shape, some: slice) -> Any:
+def lanes(values: NDArray[_Number], shape: Shape, some: slice) -> NDArray[_Number]:
     """Return some of the values broadcast to a shape, counted in C order; a number stays one."""
     if not any(values.strides):
         return np.asarray(values[(0,) * values.ndim])
@@ -56,7 +64,7 @@ def table(limits: Limits, shape: Shape, some: slice) -> FloatArray:
     return bounds
 
 
-def limits_of(limits: Limits, shape: Shape, index: Any) -> Limits:
+def limits_of(limits: Limits, shape: Shape, index: Index) -> Limits:
     """Return the limits of the problems that an index selects in a batch of this shape."""
     return limits.each(lambda side: np.broadcast_to(side, shape)[index])
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +17,7 @@ from ..pieces import FloatArray
 from ..trajectory import Trajectory
 from ..trajectory_checks import finite_array
 from .closed_forms import ClosedForms
-from .lanes import Shape, in_threads, index_text, lanes, limits_of, table
+from .lanes import Index, Shape, in_threads, index_text, lanes, limits_of, table
 
 LOW = 3
 """Highest order that the core plans."""
@@ -131,12 +130,12 @@ class Moves(Frozen):
         """Largest number of pieces of a motion."""
         return int(2**self.limits.order - 1)
 
-    def select(self, index: Any) -> Moves:
+    def select(self, index: Index) -> Moves:
         """Return the problems that an index of numpy selects."""
         limits = limits_of(self.limits, self.distances.shape, index)
         return Moves(self.distances[index], self.starts[index], limits)
 
-    def alone(self, index: Any) -> Trajectory:
+    def alone(self, index: Index) -> Trajectory:
         """Return one motion."""
         limits = limits_of(self.limits, self.distances.shape, index)
         distance, start = float(self.distances[index]), float(self.starts[index])

@@ -1,7 +1,7 @@
-"""Rises of many moves: pieces of closed-form plans on arrays, as `rise` builds them one by one.
+"""Rises of many moves: pieces of closed forms on arrays, as `rise` builds them one by one.
 
 Durations are (m, K) and rows (q + 1, m, K): value and derivatives 1…q of a derivative at the
-starts of m pieces, for K moves of the same plan. A hold that a move does without has duration 0.
+starts of m pieces, for K moves of the same form. A hold that a move does without has duration 0.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ Rows = tuple[FloatArray, FloatArray]
 """Durations and rows."""
 
 
-def chain_pieces(plan: Chains) -> Rows:
-    """Return the pieces of chain plans: durations (m, K) and states (n + 1, m, K)."""
-    durations, rows = _spline(plan.order, plan.span, plan.peak, plan.highest)
-    rise_peak = plan.peak
-    for hold, peak in zip(plan.holds, plan.peaks, strict=True):
+def chain_pieces(form: Chains) -> Rows:
+    """Return the pieces of chains: durations (m, K) and states (n + 1, m, K)."""
+    durations, rows = _spline(form.order, form.span, form.peak, form.highest)
+    rise_peak = form.peak
+    for hold, peak in zip(form.holds, form.peaks, strict=True):
         top = np.zeros((len(rows), 1, len(hold)))
         top[0] = rise_peak
         down = -rows
@@ -33,20 +33,20 @@ def chain_pieces(plan: Chains) -> Rows:
     return durations, rows
 
 
-def swing_pieces(plan: Swings, distance: FloatArray) -> Rows:
+def swing_pieces(form: Swings, distance: FloatArray) -> Rows:
     """Return the pieces of longer moves: durations (m, K) and states (n + 1, m, K)."""
-    up_span, up_highest = plan.up
-    span, highest = plan.across
-    top = plan.acceleration
-    up_durations, up = _spline(plan.order, up_span, top, up_highest)
-    durations, crossing = _spline(plan.order, span, 2.0 * top, highest)
+    up_span, up_highest = form.up
+    span, highest = form.across
+    top = form.acceleration
+    up_durations, up = _spline(form.order, up_span, top, up_highest)
+    durations, crossing = _spline(form.order, span, 2.0 * top, highest)
     crossing = -crossing
     crossing[0] += top
     back = up.copy()
     back[0] -= top
     held = np.zeros((len(up), 1, len(top)))
     held[0] = top
-    hold = plan.hold[None]
+    hold = form.hold[None]
     durations = np.concatenate([up_durations, hold, durations, hold, up_durations])
     rows = np.concatenate([up, held, crossing, -held, back], axis=1)
     rows = _integral(durations, rows, np.zeros_like(top), rise=False)

@@ -1,4 +1,4 @@
-"""Thompson's longer moves on arrays: the formulas of `closed_form.swing_plan`, moves as lanes."""
+"""Thompson's longer moves on arrays: the formulas of `closed_form.swing_form`, moves as lanes."""
 
 from __future__ import annotations
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +16,7 @@ from ..pieces import FloatArray
 from ..trajectory_checks import finite_array
 from ..transfers.problem import Transfer, check_orders
 from ..transfers.transfer import min_time_transfer
-from .lanes import Shape, in_threads, limits_of, table
+from .lanes import Index, Shape, in_threads, limits_of, table
 
 
 def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> MotionBatch:
@@ -101,14 +100,14 @@ class Transfers(Frozen):
         """Largest number of pieces of a motion."""
         return int(self.counts.max(initial=0))
 
-    def select(self, index: Any) -> Transfers:
+    def select(self, index: Index) -> Transfers:
         """Return the problems that an index of numpy selects."""
         limits, counts = limits_of(self.limits, self.counts.shape, index), self.counts[index]
         states = (_of(rows, self.counts.shape, index) for rows in (self.starts, self.ends))
         starts, ends = (_spread(rows, counts.shape) for rows in states)
         return Transfers(starts, ends, limits, counts).frozen()
 
-    def alone(self, index: Any) -> Transfer:
+    def alone(self, index: Index) -> Transfer:
         """Return one motion; InfeasibleError where there is none."""
         limits = limits_of(self.limits, self.counts.shape, index)
         start, end = (_of(rows, self.counts.shape, index) for rows in (self.starts, self.ends))
@@ -124,7 +123,7 @@ class Transfers(Frozen):
         return _rows(self.starts, some), _rows(self.ends, some), bounds
 
 
-def _of(rows: FloatArray, shape: Shape, index: Any) -> FloatArray:
+def _of(rows: FloatArray, shape: Shape, index: Index) -> FloatArray:
     """Return the states (…, order) that an index selects in a batch of this shape."""
     columns = [
         np.asarray(np.broadcast_to(rows[..., k], shape)[index]) for k in range(rows.shape[-1])

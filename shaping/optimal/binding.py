@@ -7,14 +7,14 @@ import numpy as np
 from ..checks import positive
 from ..limits import Limits, of_one
 from ..pieces import extrema
-from ..trajectory import Trajectory, checked_trajectory
+from ..trajectory import Motion, as_trajectory
 
 BINDING_RTOL = 1e-3
 """How near to its bound, relative, a derivative counts as at it."""
 
 
 def binding_limits(
-    trajectory: Trajectory, limits: Limits, *, rtol: float = BINDING_RTOL
+    trajectory: Motion, limits: Limits, *, rtol: float = BINDING_RTOL
 ) -> tuple[tuple[int, ...], ...]:
     """Return the derivatives that are at a bound all along each piece.
 
@@ -48,7 +48,7 @@ def binding_limits(
     >>> binding_limits(min_time_move(1.0, limits), limits)
     ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
     """
-    trajectory, limits = checked_trajectory(trajectory), of_one(limits)
+    trajectory, limits = as_trajectory(trajectory), of_one(limits)
     rtol = positive("rtol", rtol)
     if rtol >= 1.0:
         raise ValueError(

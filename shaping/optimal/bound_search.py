@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
-from .grids import refined
 from .half_problem import HalfProblem, duration_of, paid
+from .mesh import refined
 from .multipliers import Multipliers, signed_integrals
 from .relaxation import RelaxedProgram
 
@@ -25,7 +25,7 @@ class BoundSearch:
     """Better and better multipliers; half durations in the problem's units.
 
     A motion known to be good shows where: it loses distance against the bound wherever a
-    multiplier is not zero and its bound not active. The grid is its first `span`. Where that
+    multiplier is not zero and its bound not active. The mesh is its first `span`. Where that
     leaves out a cruise, the half covers a `distance` above one half.
     """
 

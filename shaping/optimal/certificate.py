@@ -12,10 +12,10 @@ from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
 from ..pieces import FloatArray
-from ..trajectory import Trajectory
+from ..trajectory import Motion, Trajectory, as_trajectory
 from .bound_search import BoundSearch
-from .grids import graded_grid, with_touches
 from .half_problem import HalfProblem
+from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
 from .smoothing import lower_order, relative_width, truncated
 
@@ -58,7 +58,7 @@ class Certificate:
         return self.gap <= self.rtol
 
 
-def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
+def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
     """Prove how much faster a rest-to-rest move could be at most.
 
     For any multipliers λ and measures μ_k every motion within the limits has
@@ -66,7 +66,7 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
         R/2 ≤ L_n·∫|p| dt + Σ_k L_k·‖μ_k‖ = Σ_k c_k·L_k·(T/2)^k
 
     with p the costate that they give (weak duality); the root T is a lower bound. A linear
-    program proposes the multipliers, on grids refined until the gap is at most `rtol` or no
+    program proposes the multipliers, on meshes refined until the gap is at most `rtol` or no
     longer shrinks; the bound is then evaluated from them alone, in extended precision, with a
     margin for rounding. No error of the solver can make it wrong.
 
@@ -117,21 +117,19 @@ def certify(trajectory: Trajectory, limits: Limits, *, rtol: float = 1e-4) -> Ce
     [-0.375, -0.125, -0.125]
     """
     rtol = positive("rtol", rtol)
-    if not isinstance(trajectory, Trajectory) or not isinstance(limits, Limits):
-        raise TypeError("expected certify(trajectory, limits) with a Trajectory and Limits")
-    limits = of_one(limits)
-    _check(trajectory, limits)
-    distance = float(trajectory.end_state[0] - trajectory.start_state[0])
+    move, limits = as_trajectory(trajectory), of_one(limits)
+    _check(move, limits)
+    distance = float(move.end_state[0] - move.start_state[0])
     if distance < 0.0:
-        trajectory, limits = trajectory.mirror(), limits.mirror()
+        move, limits = move.mirror(), limits.mirror()
     if distance == 0.0:
-        gap = inf if trajectory.duration > 0.0 else 0.0
-        return Certificate(trajectory.duration, 0.0, gap, (0.0,) * limits.order, rtol)
-    lower, terms = in_range(lambda: _bounds(trajectory, abs(distance), limits, rtol))
+        gap = inf if move.duration > 0.0 else 0.0
+        return Certificate(move.duration, 0.0, gap, (0.0,) * limits.order, rtol)
+    lower, terms = in_range(lambda: _bounds(move, abs(distance), limits, rtol))
     if not lower > 0.0:
-        return Certificate(trajectory.duration, 0.0, inf, (0.0,) * limits.order, rtol)
-    gap = max(trajectory.duration / lower - 1.0, 0.0)
-    return Certificate(trajectory.duration, lower, gap, _sensitivities(terms, limits), rtol)
+        return Certificate(move.duration, 0.0, inf, (0.0,) * limits.order, rtol)
+    gap = max(move.duration / lower - 1.0, 0.0)
+    return Certificate(move.duration, lower, gap, _sensitivities(terms, limits), rtol)
 
 
 def _check(trajectory: Trajectory, limits: Limits) -> None:
@@ -217,7 +215,7 @@ def _programmed(
         span=0.5 * (motion.duration if shorter is None else unit),
     )
     with np.errstate(all="ignore"):
-        nodes = graded_grid(shorter or motion, _CELLS)
+        nodes = graded_mesh(shorter or motion, _CELLS)
         nodes = with_touches(nodes, motion, problem.relevant(), search.span)
         fastest = min(trajectory.duration, motion.duration)
         search.run(nodes, fastest / unit, target)

@@ -132,7 +132,7 @@ class Farthest:
     """How far a half gets, by what inputs, and what the bound on each derivative is worth.
 
     distance = Σ_k worth[k]·η^k, with worth[k] the multipliers' sum over the bounds L_k. `losses`
-    estimates the distance lost on each cell by keeping to this grid.
+    estimates the distance lost on each cell by keeping to this mesh.
     """
 
     distance: float
@@ -142,7 +142,7 @@ class Farthest:
 
 
 class HalfProgram:
-    """The linear program of a half on a grid, bounds kept between the nodes as well.
+    """The linear program of a half on a mesh, bounds kept between the nodes as well.
 
     Parameters
     ----------

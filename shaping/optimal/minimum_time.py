@@ -2,7 +2,7 @@
 
     maximise x(T/2)  subject to  |x^(k)| ≤ L_k for all t,  x^(k)(T/2) = 0 for even k ≥ 2,
 
-with x^(n) constant on the cells of a grid and T so that x(T/2) is half the distance; the second
+with x^(n) constant on the cells of a mesh and T so that x(T/2) is half the distance; the second
 half is the mirror image. What the optimum looks like: Wang & Hu, arXiv 2311.07039 and
 2403.17675.
 """
@@ -19,9 +19,9 @@ from ..limits import Limits
 from ..pieces import FloatArray, evaluate
 from ..rise import spline_divisor
 from ..trajectory import Trajectory
-from .grids import graded_grid, split_losses, split_sudden, split_switches
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
+from .mesh import graded_mesh, split_losses, split_sudden, split_switches
 from .smoothing import averaged_half, averaging_width, lower_order, relative_width, truncated
 
 MAX_OPTIMAL_ORDER = 10
@@ -35,7 +35,7 @@ _NOT_LONG = 2e-4  # the same where the linear program is tried as well
 _LENGTHENED = 0.1  # the same where that fails
 _LONG = 2.0  # times the ramps' time: how much cruise is left in the linear program
 _STAGES = 9
-_LOST = 5e-6  # of the distance, for want of a finer grid: not worth another stage
+_LOST = 5e-6  # of the distance, for want of a finer mesh: not worth another stage
 _FORESEEN = 3.0  # times what was estimated to be lost: gaining more, the estimate is no use
 _MOST_CELLS = 150
 _ROUGHLY, _SETTLED = 1e-3, 1e-7  # steps on the duration after which no other is needed
@@ -143,7 +143,7 @@ def _programmed(closed: Trajectory, limits: Limits, left: float = _LONG) -> Traj
     covered = float(base.end_state[0])
     problem = HalfProblem.make(covered, limits, base)
     problem = replace(problem, cruising=shorter is not None)
-    found = _refined(problem, graded_grid(base, _CELLS))
+    found = _refined(problem, graded_mesh(base, _CELLS))
     if found is None:
         return None
     nodes, farthest, half = found
@@ -182,7 +182,7 @@ def without_cruise(closed: Trajectory, limits: Limits, left: float) -> Trajector
 
 
 def _refined(problem: HalfProblem, nodes: FloatArray) -> tuple[FloatArray, Farthest, float] | None:
-    """Solve on finer and finer grids; return the last nodes, the solution and its half duration."""
+    """Solve on finer meshes; return the last nodes, the solution and its half duration."""
     half, lost = 1.0, 0.0
     best: tuple[FloatArray, Farthest, float] | None = None
     for stage in range(_STAGES):
@@ -207,7 +207,7 @@ def _refined(problem: HalfProblem, nodes: FloatArray) -> tuple[FloatArray, Farth
 def _split(
     problem: HalfProblem, nodes: FloatArray, farthest: Farthest, half: float, stage: int
 ) -> FloatArray:
-    """Return a finer grid."""
+    """Return a finer mesh."""
     bound = float(problem.upper[-1]) * half**problem.order
     if stage == 0:
         return split_switches(nodes, farthest.inputs, bound)

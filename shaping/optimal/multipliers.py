@@ -25,7 +25,7 @@ _OPERATIONS = 400  # more than the roundings in a row that a value goes through 
 
 @dataclass(frozen=True, eq=False)
 class Multipliers:
-    """Multipliers on a grid of N cells.
+    """Multipliers on a mesh of N cells.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from ..checks import finite, state_numbers
 from ..limits import Limits
 from ..moves import min_time_move
 from ..real_numbers import shown
-from ..trajectory import Trajectory
+from ..trajectory import Motion
 from .infeasible import InfeasibleError
 from .problem import State, Transfer
 from .s_curve import SCurveMove
@@ -28,7 +28,7 @@ class Axis:
     ----------
     number : int
         Its place among the axes.
-    motion : Trajectory
+    motion : Trajectory or Transfer
     limits : Limits, optional
         Those that it was planned with, where they are known.
     order : int
@@ -38,7 +38,7 @@ class Axis:
     """
 
     number: int
-    motion: Trajectory
+    motion: Motion
     limits: Limits | None
     order: int
     rests: bool
@@ -64,13 +64,13 @@ class Axis:
                 yield self.motion.extremes(k)
 
 
-def as_axis(number: int, given: Trajectory | tuple[State, State, Limits]) -> Axis:
+def as_axis(number: int, given: Motion | tuple[State, State, Limits]) -> Axis:
     """Return an axis from its motion, or from what its fastest motion is planned with."""
     limits = given.limits if isinstance(given, Transfer) else None
     if isinstance(given, tuple | list) and len(given) == 3:
         start, end, limits = given
         given = _planned(number, start, end, limits)
-    if not isinstance(given, Trajectory):
+    if not isinstance(given, Motion):
         raise TypeError(
             f"axis {number} = {shown(given)}: expected what min_time_transfer returns, or "
             "(start, end, limits), or another trajectory"
@@ -83,14 +83,14 @@ def as_axis(number: int, given: Trajectory | tuple[State, State, Limits]) -> Axi
     return Axis(number, motion, limits, order, rests)
 
 
-def _has_bounded_jerk(motion: Trajectory) -> bool:
+def _has_bounded_jerk(motion: Motion) -> bool:
     """Tell whether a motion is an S-curve without steps of acceleration."""
     if not isinstance(motion, SCurveMove) or motion.settings is None:
         return False
     return motion.settings.rates.jerk_percent is None
 
 
-def _planned(number: int, start: State, end: State, limits: Limits) -> Trajectory:
+def _planned(number: int, start: State, end: State, limits: Limits) -> Motion:
     try:
         if isinstance(limits, Limits) and limits.order not in (2, 3):
             places = _at_rest("start", start), _at_rest("end", end)

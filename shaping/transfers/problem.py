@@ -10,45 +10,48 @@ from ..checks import finite, range_error, state_numbers
 from ..derivatives import derivative_name
 from ..limits import Limits, check_both_sides, of_one
 from ..real_numbers import shown
-from ..trajectory import Trajectory
+from ..trajectory import Planned, Trajectory, as_trajectory
 from .infeasible import check_end, inside, unreachable
 
 State = float | Sequence[float]
 """Position, velocity and, for order 3, acceleration; those left out at the end are zero."""
 
 
-@dataclass(frozen=True, init=False, eq=False, repr=False)
-class Transfer(Trajectory):
-    """A trajectory between two given states that knows its limits.
+@dataclass(frozen=True, eq=False, repr=False)
+class Transfer(Planned):
+    """A motion between two given states that knows its limits.
+
+    It answers what its trajectory does: `transfer(t)`, `transfer.end_state`, `transfer.peak(k)`, ….
 
     Attributes
     ----------
-    limits : Limits, optional
-        Those it was planned with; None where it was made from arrays.
+    trajectory : Trajectory
+        The motion alone, which knows of no limits.
+    limits : Limits
+        Those it was planned with.
     inside_after : float
         Time from its start after which every limit holds for good. Zero where the start can
         keep the limits; else the time that bringing it inside takes, during which `violation`
         reports the excess.
     """
 
-    limits: Limits | None = None
+    trajectory: Trajectory
+    limits: Limits
     inside_after: float = 0.0
+
+    def __post_init__(self) -> None:
+        fields = self.__dict__  # the way around `frozen`
+        fields["trajectory"], fields["limits"] = as_trajectory(self.trajectory), of_one(self.limits)
+        fields["inside_after"] = finite("inside_after", self.inside_after)
 
     @classmethod
     def of(cls, motion: core.Motion, limits: Limits) -> Transfer:
         """Return a motion of the core, planned with limits."""
         transfer = object.__new__(cls)
-        fields = transfer.__dict__  # the way around `frozen`
-        fields["_motion"], fields["coasting"], fields["limits"] = motion, 1, limits
+        fields = transfer.__dict__
+        fields["_motion"], fields["limits"] = motion, limits
         fields["inside_after"] = motion.inside_after
         return transfer
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The motion alone, which knows of no limits."""
-        return Trajectory.from_arrays(
-            self.breaks, self.states, self.durations, self.end_state, self.coasting
-        )
 
     def __repr__(self) -> str:
         told = f", inside_after={self.inside_after:.10g}" if self.inside_after else ""

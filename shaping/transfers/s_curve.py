@@ -15,7 +15,8 @@ from ..limits import Limits
 from ..trajectory import Trajectory
 from .infeasible import InfeasibleError
 from .problem import Problem, State, checked_state
-from .s_curve_plan import ROUNDING, Motion, Piece, Rates, plan_move, stopping_place
+from .s_curve_plan import ROUNDING, plan_move, stopping_place
+from .s_curve_rates import Motion, Piece, Rates, in_own_units
 
 _TURNS = 1e-9  # of the velocity: less than this backwards is rounding
 
@@ -324,15 +325,16 @@ def _final(final_velocity: float, rates: Rates) -> float:
 def _planned(begin: Motion, target: float, settings: SCurveSettings) -> Trajectory:
     """Return the motion from a state to a target, beginning at time 0."""
     rates = settings.rates
+    binding = in_own_units(begin, target, settings.final_velocity, rates)[1]
     alike = (
-        rates.acceleration == rates.deceleration
-        and rates.acceleration_jerk == rates.deceleration_jerk
+        binding.acceleration == binding.deceleration
+        and binding.acceleration_jerk == binding.deceleration_jerk
     )
 
     def planned() -> Trajectory:
         if alike and rates.jerk_percent is None:
             limits = Limits(rates.velocity, rates.acceleration, rates.acceleration_jerk)
-            return Problem(begin, (target, settings.final_velocity), limits).fastest()
+            return Problem(begin, (target, settings.final_velocity), limits).fastest().trajectory
         return _trajectory(
             plan_move(begin, target, settings.final_velocity, rates),
             target,

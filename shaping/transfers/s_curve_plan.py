@@ -8,72 +8,60 @@ speeding up. Ways are planned in the positive direction, and mirrored for the ot
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import inf, sqrt
 
 from ... import core
 from ..checks import range_error
+from .s_curve_rates import Motion, Pieces, Rates, in_own_units
 
-Piece = tuple[float, tuple[float, ...]]
-"""Duration, and position with derivatives at the start."""
-
-Pieces = list[Piece]
 ROUNDING = 16.0 * 2.0**-52
 """Relative size below which a difference is taken for rounding."""
 
 _GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
-
-Motion = tuple[float, float, float]
-"""Position, velocity, acceleration."""
-
-
-@dataclass(frozen=True)
-class Rates:
-    """How fast a motion may speed up and slow down.
-
-    With a jerk percent p the jerks are not used: every ramp lasts as long as at constant
-    acceleration A, and its jerk acts in p/2 of it at either end; so its peak acceleration is
-    A/(1 − p/2); or, `percent_keeps_peak`, ramps last 1/(1 − p/2) times as long, and A is the peak.
-    """
-
-    velocity: float
-    acceleration: float
-    deceleration: float
-    acceleration_jerk: float
-    deceleration_jerk: float
-    jerk_percent: float | None = None
-    percent_keeps_peak: bool = False
+_GOLDEN_CUTS = 70  # down to rounding
 
 
 def plan_move(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the pieces of a motion from a state to a position, passed at a final velocity.
 
-    With a jerk percent the acceleration at the beginning is taken for zero.
+    With a jerk percent the acceleration at the beginning is taken for zero. It is planned in the
+    problem's own units.
     """
     if rates.jerk_percent is not None:
         begin = begin[0], begin[1], 0.0
+    units, rates = in_own_units(begin, target, final_velocity, rates)
+    origin = begin[0] if begin[0] == target else 0.0  # which may be far off the range of the units
+    state = units.motion((begin[0] - origin, *begin[1:]))
+    goal = units.into(target - origin, 0), units.into(final_velocity, 1)
+    return units.pieces(_plan_towards(state, *goal, rates), origin)
+
+
+def _plan_towards(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
+    """Return the pieces of a plan in either direction."""
     course = begin[1] or begin[2] or target - begin[0]
     if course < 0.0:
         opposite = -begin[0], -begin[1], -begin[2]
-        return mirrored(plan_ahead(opposite, -target, -final_velocity, rates))
-    return plan_ahead(begin, target, final_velocity, rates)
+        return mirrored(_plan_ahead(opposite, -target, -final_velocity, rates))
+    return _plan_ahead(begin, target, final_velocity, rates)
 
 
 def stopping_place(begin: Motion, final_velocity: float, rates: Rates) -> float:
     """Return the nearest position that can be passed at a final velocity without turning round."""
+    units, rates = in_own_units(begin, begin[0], final_velocity, rates)
     sign = 1.0 if (begin[1] or begin[2] or final_velocity) >= 0.0 else -1.0
-    _, state = _ease((sign * begin[0], sign * begin[1], sign * begin[2]), rates)
-    velocity = max(sign * final_velocity, 0.0)
+    _, state = _ease(units.motion((0.0, sign * begin[1], sign * begin[2])), rates)
+    velocity = max(sign * units.into(final_velocity, 1), 0.0)
     settling = _settling(state[1], state[2], rates)
     turn = _dip(state, velocity, rates) if velocity > settling > 0.0 else velocity
-    return sign * (state[0] + _distance_by_way_of(turn, state, velocity, rates))
+    way = state[0] + _distance_by_way_of(turn, state, velocity, rates)
+    return begin[0] + sign * units.back(way, 0)
 
 
-def plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
+def _plan_ahead(begin: Motion, target: float, final_velocity: float, rates: Rates) -> Pieces:
     """Return the plan from a velocity ≥ 0: straight on if that leads there, else after a stop."""
     if _settling(begin[1], begin[2], rates) < 0.0:
         first, state = _to_zero(begin, rates)
-        return first + plan_move(state, target, final_velocity, rates)
+        return first + _plan_towards(state, target, final_velocity, rates)
     eased, begin = _ease(begin, rates)
     direct = _one_way(begin, target, final_velocity, rates)
     if direct is not None:
@@ -124,6 +112,8 @@ def _one_way(begin: Motion, target: float, final_velocity: float, rates: Rates) 
             slows = a <= 0.0 and final_velocity <= v and rates.jerk_percent is None
             return _slowing(begin, target, final_velocity, rates, v) if slows else None
         turn = _largest(low, high, missing) if missing(low) > slack else low
+        rest = missing(turn)  # what rounding of the peak leaves of a short way at speed
+        rest = rest if rest > slack else 0.0
     return _by_way_of(
         turn, max(rest, 0.0) / turn if turn else 0.0, begin, target, final_velocity, rates
     )
@@ -162,7 +152,7 @@ def _dip(begin: Motion, final_velocity: float, rates: Rates) -> float:
     """
     low, high = 0.0, _settling(begin[1], begin[2], rates)
     span = high
-    while span > ROUNDING * high:
+    for _ in range(_GOLDEN_CUTS):
         span *= _GOLDEN
         left, right = high - span, low + span
         if _distance_by_way_of(left, begin, final_velocity, rates) < _distance_by_way_of(

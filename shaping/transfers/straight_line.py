@@ -8,7 +8,7 @@ from math import inf
 from ..derivatives import derivative_name
 from ..limits import Limits
 from ..moves import min_time_move
-from ..trajectory import Trajectory
+from ..trajectory import Motion, Trajectory, as_trajectory
 from .axes import Axis, Pair
 from .transfer import min_time_transfer
 
@@ -16,7 +16,7 @@ _ALIKE = 1e-9  # relative difference of two axes' speeds along the line that is 
 _SLOWEST = 1e-12  # relative difference of durations that is rounding
 
 
-def straight_line(axes: Sequence[Axis]) -> tuple[Trajectory, ...]:
+def straight_line(axes: Sequence[Axis]) -> tuple[Motion, ...]:
     """Return the motion along the line, as one profile from 0 to 1 scaled to each axis.
 
     Derivative k of axis i is R_i·s^(k), so that the bounds of s^(k) are the tightest of the
@@ -46,7 +46,7 @@ def _fastest_transfer(moving: Sequence[Axis], leader: Axis) -> Trajectory:
             (1.0, leader.motion.end_state),
         )
     )
-    return min_time_transfer(begin, finish, Limits.from_bounds(_tightest(moving)))
+    return min_time_transfer(begin, finish, Limits.from_bounds(_tightest(moving))).trajectory
 
 
 def _fastest_move(moving: Sequence[Axis]) -> Trajectory:
@@ -73,7 +73,7 @@ def _fastest_move(moving: Sequence[Axis]) -> Trajectory:
 def _profile(axis: Axis) -> Trajectory:
     """Return the motion of an axis as one from 0 to 1."""
     start = float(axis.motion.start_state[0])
-    return axis.motion.shift(-start).scale(1.0 / axis.span)
+    return as_trajectory(axis.motion).shift(-start).scale(1.0 / axis.span)
 
 
 def _slowed(profile: Trajectory, axes: Sequence[Axis]) -> Trajectory:

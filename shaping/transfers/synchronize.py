@@ -10,7 +10,7 @@ from ... import core
 from ..checks import one_of
 from ..limits import Limits
 from ..real_numbers import shown
-from ..trajectory import Trajectory
+from ..trajectory import Motion
 from .axes import Axis, as_axis
 from .infeasible import InfeasibleError
 from .problem import Problem, State, Transfer
@@ -18,15 +18,15 @@ from .straight_line import straight_line
 
 _ROUNDING = 16.0 * 2.0**-52
 Mode = Literal["start", "end", "both", "straight-line"]
-Given = Trajectory | tuple[State, State, Limits]
+Given = Motion | tuple[State, State, Limits]
 
 
-def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajectory, ...]:
+def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Motion, ...]:
     """Return the transfers of several axes, tied together in time.
 
     Parameters
     ----------
-    transfers : iterable of Trajectory or (start, end, limits)
+    transfers : iterable of Trajectory, Transfer or (start, end, limits)
         One per axis: what `min_time_transfer`, `min_time_move`, `s_curve_move` or another shaper
         returns, or what the first two are planned with (from rest to rest at other orders than 2
         and 3). Orders and kinds may be mixed. Units may differ between axes but for that of time.
@@ -39,8 +39,8 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
 
     Returns
     -------
-    tuple of Trajectory
-        In the order given.
+    tuple of Trajectory or Transfer
+        In the order given; what was planned within known limits is a transfer.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def synchronize(transfers: Iterable[Given], mode: Mode = "both") -> tuple[Trajec
     """
     one_of("mode", mode, ("start", "end", "both", "straight-line"))
     if type(transfers) is not list:
-        if isinstance(transfers, Trajectory) or not isinstance(transfers, Iterable):
+        if isinstance(transfers, Motion) or not isinstance(transfers, Iterable):
             told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
             raise TypeError(told)
         transfers = list(transfers)
@@ -114,7 +114,7 @@ def _in_the_core(transfers: list[Given]) -> tuple[Transfer, ...] | None:
     )
 
 
-def _ending_together(axes: list[Axis]) -> tuple[Trajectory, ...]:
+def _ending_together(axes: list[Axis]) -> tuple[Motion, ...]:
     latest = max(axis.motion.duration for axis in axes)
     for axis in axes:
         waits = axis.motion.duration < latest * (1.0 - _ROUNDING)
@@ -126,7 +126,7 @@ def _ending_together(axes: list[Axis]) -> tuple[Trajectory, ...]:
     return tuple(axis.motion.delay(latest - axis.motion.duration) for axis in axes)
 
 
-def _both(axes: list[Axis]) -> tuple[Trajectory, ...]:
+def _both(axes: list[Axis]) -> tuple[Motion, ...]:
     problems = [_problem(axis) for axis in axes]
     duration = _common_duration(
         [_durations(axis, problem) for axis, problem in zip(axes, problems, strict=True)]
@@ -152,7 +152,7 @@ def _durations(axis: Axis, problem: Problem | None) -> list[tuple[float, float]]
     return [(axis.motion.duration, inf if axis.rests else axis.motion.duration)]
 
 
-def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Trajectory:
+def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Motion:
     own = axis.motion.duration
     if own >= duration * (1.0 - _ROUNDING):
         return axis.motion

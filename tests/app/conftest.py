@@ -1,6 +1,8 @@
-"""The command line run within a test."""
+"""The command line run within a test, and a scenario written for one."""
 
 import sys
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -20,3 +22,23 @@ def run(monkeypatch, capsys):
         return int(end.value.code or 0), out, err.splitlines()
 
     return call
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[str], Path]:
+    """Write the text of a scenario; give its file."""
+
+    def write_text(text: str) -> Path:
+        path = tmp_path / "case.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write_text
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    return tmp_path / "work"

@@ -1,239 +1,206 @@
-"""Several scenarios, missing baselines and overrides, as `jounce check` is called."""
+"""`jounce check` of one scenario: what passes, what fails, and what is left behind."""
 
-import json
+import re
+import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import control
 import pytest
+from command_lines import UNSTABLE, names, refused
 
-AXIS = """
-title = "Axis {0}"
-plant.inertia = "1 kg m^2"
-controller.gains = {{kp = "28 N m/rad", ki = "38 N m/(rad s)", kr = "5 N m s/rad"}}
-limits.axis = {{acceleration = "0.2 deg/s^2"}}
-modes = [{{name = "tower", frequency = "3 Hz", damping = "1 %"}}]
-moves = [{{name = "go", distance = "{0} arcsec", settle_to = "50 mas"}}]
-"""
+from jounce.analysis import loop_margins
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch) -> Path:
-    """Work in a folder with three scenarios."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "axes").mkdir()
-    for name in ("axes/a", "axes/b", "c"):
-        (tmp_path / f"{name}.toml").write_text(AXIS.format(60 + ord(name[-1])))
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture
-def stored(run):
-    """Store a baseline beside each scenario."""
-    status, out, errors = run("check", "axes/*.toml", "c.toml", "--update")
+def axis(run, folder) -> Path:
+    """Store the numbers of a scenario in this folder beside it."""
+    (folder / "axis.toml").write_text(UNSTABLE.replace('kr = "1 ', 'kr = "5 '))
+    status, out, errors = run("check", "axis.toml", "--update")
     assert (status, errors) == (0, [])
-    return out
+    assert out.endswith("Passed: 23 numbers (23 new)\nWrote axis.baseline.json\n")
+    assert names(folder) == {"axis.toml", "axis.baseline.json"}
+    return folder / "axis.toml"
 
 
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+def loosen(axis: Path) -> None:
+    axis.write_text(axis.read_text().replace('kr = "5 ', 'kr = "4.9 '))
 
 
-def edit(path: str, old: str, new: str) -> None:
-    text = Path(path).read_text()
-    assert old in text
-    Path(path).write_text(text.replace(old, new))
+def test_check_passes_what_is_stored(run, folder, axis):
+    for option in ((), ("--baseline", axis.with_name("axis.baseline.json"))):
+        status, out, errors = run("check", "axis.toml", *option)
+        assert (status, errors) == (0, [])
+        assert out.splitlines()[-1] == "Passed: 23 numbers (23 same)"
+    assert names(folder) == {"axis.toml", "axis.baseline.json"}
 
 
-def suites(path: str) -> dict[str, tuple[int, int]]:
-    """Return the failures and errors of each suite."""
-    found = ElementTree.parse(path).getroot()
-    return {s.get("name"): (int(s.get("failures")), int(s.get("errors"))) for s in found}
+@pytest.mark.usefixtures("axis")
+def test_check_stores_the_same_file_each_time(run, folder):
+    before = (folder / "axis.baseline.json").read_bytes()
+    run("check", "axis.toml", "--update", "--baseline", "second.json")
+    assert (folder / "second.json").read_bytes() == before
 
 
-def test_each_has_its_baseline_beside_it(run, folder, stored):
-    assert set(contents(folder)) == {
-        f"{name}.{suffix}"
-        for name in ("axes/a", "axes/b", "c")
-        for suffix in ("toml", "baseline.json")
-    }
-    assert stored.endswith(
-        "3 scenarios: 3 passed\nWrote axes/a.baseline.json\nWrote axes/b.baseline.json\n"
-        "Wrote c.baseline.json\n"
-    )
-    status, out, errors = run("check", "axes/*.toml", "c.toml", "--junit", "j.xml")
-    assert (status, errors) == (0, [])
-    assert out.splitlines() == [
-        "Check of Axis 157 (axes/a.toml), positions in arcsec",
-        "Passed: 24 numbers (24 same)",
-        "",
-        "Check of Axis 158 (axes/b.toml), positions in arcsec",
-        "Passed: 24 numbers (24 same)",
-        "",
-        "Check of Axis 159 (c.toml), positions in arcsec",
-        "Passed: 24 numbers (24 same)",
-        "",
-        "3 scenarios: 3 passed",
-        "Wrote j.xml",
-    ]
-    assert suites("j.xml") == {f"Axis {size}": (0, 0) for size in (157, 158, 159)}
-    _, out, _ = run("check", "axes/*.toml", "--all")
-    assert out.count("margins.phase_margin_deg") == 2
-
-
-@pytest.mark.usefixtures("stored")
-def test_check_files_and_baselines_are_no_scenarios(run):
-    Path("axes/a.check.toml").write_text("[margins]\nphase_margin_deg = {min = 80}")
-    found = sorted(str(path) for path in Path("axes").iterdir())  # as a shell expands axes/*
-    for arguments in (["axes/*"], ["axes/*.toml"], found):
-        status, out, errors = run("check", *arguments)
-        assert (status, errors) == (1, [])
-        assert out.endswith("2 scenarios: 1 passed, 1 FAILED\n")
-        assert "phase_margin_deg" in out
-
-
-@pytest.mark.usefixtures("stored")
-def test_a_broken_one_hides_no_other(run, folder):
-    Path("axes/b.toml").write_text("this is a letter")
-    edit("c.toml", 'kr = "5 ', 'kr = "4.9 ')
-    before = contents(folder)
-    status, out, errors = run("check", "axes/*.toml", "c.toml", "--junit", "j.xml")
-    assert status == 2
-    (line,) = errors
-    assert line.startswith("jounce: axes/b.toml: not TOML: ")
-    assert "Check of Axis 157 (axes/a.toml)" in out
-    assert "margins.phase_margin_deg" in out
-    assert "3 scenarios: 1 passed, 1 FAILED, 1 could not be checked" in out
-    found = suites("j.xml")
-    assert found.pop("Axis 157") == (0, 0)
-    assert found.pop("axes/b.toml") == (0, 1)
-    assert found.pop("Axis 159")[0] > 1
-    assert contents(folder) == before | {"j.xml": Path("j.xml").read_bytes()}
-
-
-@pytest.mark.usefixtures("stored")
-def test_an_update_stores_those_that_can_be_stored(run, folder):
-    Path("axes/b.toml").write_text("this is a letter")
-    Path("c.check.toml").write_text("[margins]\nphase_margin_deg = {min = 80}")
-    for name in ("axes/a", "c"):
-        edit(f"{name}.toml", 'kr = "5 ', 'kr = "4.9 ')
-    before = contents(folder)
-    status, out, _ = run("check", "axes/*.toml", "c.toml", "--update")
-    assert status == 2
-    assert out.count("Wrote") == 1
-    assert "Nothing is stored while a bound of the check file is broken" in out
-    after = contents(folder)
-    assert {name for name in after if after[name] != before[name]} == {"axes/a.baseline.json"}
-    assert run("check", "axes/a.toml")[0] == 0
-
-
-@pytest.mark.usefixtures("stored")
-@pytest.mark.parametrize("option", [("--junit", "nowhere/j.xml"), ("--junit", "axes/a.toml")])
-def test_an_update_that_cannot_write_all_writes_nothing(run, folder, option):
-    edit("c.toml", 'kr = "5 ', 'kr = "4.9 ')
-    before = contents(folder)
-    status, out, errors = run("check", "axes/*.toml", "c.toml", "--update", *option)
-    assert (status, out, len(errors)) == (2, "", 1)
-    assert contents(folder) == before
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (["axes/*.tml", "c.toml"], "axes/*.tml: matches no scenario file (.toml); give a pattern"),
-        (["axes/a.check.toml"], "axes/a.check.toml: is a check file; name its scenario, axes/a.to"),
-        (["axes/*.toml", "--baseline", "x"], "--baseline x: is of one scenario, and 2 are given; "),
-        (["c.toml", "axes/a.toml", "--checks", "x"], "--checks x: is of one scenario, and 2 are"),
-        (["c.toml", "--set", "x"], "--set 'x': expected KEY=VALUE, such as --set limits.axis.jer"),
-        (["c.toml", "--set", "title=a", "--set", "title=b"], "--set title: is given twice; give"),
-    ],
-    ids=range(6),
-)
-def test_wrong_words_are_told_before_any_work(run, folder, arguments, line):
-    before = contents(folder)
-    status, out, errors = run("check", *arguments, "--junit", "j.xml")
-    assert (status, out, len(errors)) == (2, "", 1)
-    assert errors[0].startswith(f"jounce: {line}")
-    (suite,) = suites("j.xml").values()
-    assert suite == (0, 1)
-    assert contents(folder) == before | {"j.xml": Path("j.xml").read_bytes()}
-
-
-@pytest.mark.usefixtures("stored")
-def test_one_of_a_pattern_may_have_its_own_baseline(run):
-    Path("c.baseline.json").rename("other.json")
-    assert run("check", "c.tom[l]", "--baseline", "other.json")[0] == 0
-
-
-def test_a_missing_baseline_fails_until_it_is_stored(run):
-    Path("c.check.toml").write_text("[margins]\nphase_margin_deg = {min = 10}")
-    status, out, errors = run("check", "c.toml", "--junit", "j.xml", "--format", "github")
+def test_check_fails_on_a_regression(run, folder, axis):
+    loosen(axis)
+    before = (folder / "axis.baseline.json").read_bytes()
+    status, out, errors = run("check", "axis.toml", "--junit", "junit.xml", "--format", "github")
     assert (status, errors) == (1, [])
-    line = "c.baseline.json is missing; store the numbers with --update, or write baseline = false"
-    assert f"FAILED: {line}" in out
-    assert f"::error file=c.toml,title=jounce check%3A Axis 159::{line}" in out
-    assert suites("j.xml") == {"Axis 159": (1, 0)}
-    assert run("check", "c.toml", "--update")[0] == 0
-    assert run("check", "c.toml")[0] == 0
-    Path("c.baseline.json").unlink()
-    Path("c.check.toml").write_text("baseline = false\n[margins]\nphase_margin_deg = {min = 10}")
-    assert run("check", "c.toml")[0] == 0
+    row = next(line.split() for line in out.splitlines() if "margins.phase_margin_deg" in line)
+    margins = [loop_margins(control.tf([k, 28, 38], [1, 0, 0, 0])) for k in (5.0, 4.9)]
+    expected = [margin.phase_margin_deg for margin in margins]
+    assert [float(word) for word in row[1:3]] == pytest.approx(expected, rel=1e-6)
+    assert row[3:] == [">=", row[4], "worse"]
+    assert "::error file=axis.toml,title=jounce check%3A axis::margins.phase_margin_deg is" in out
+    assert "FAILED: " in out
+    assert "--update" in out
+    suite = ElementTree.parse("junit.xml").getroot()[0]
+    assert int(suite.get("failures")) == out.count("::error") > 0
+    assert int(suite.get("tests")) == 24
+    assert (folder / "axis.baseline.json").read_bytes() == before
+    assert names(folder) == {"axis.toml", "axis.baseline.json", "junit.xml"}
 
 
-@pytest.mark.usefixtures("stored")
-def test_a_loosened_tolerance_is_no_improvement(run):
-    edit("c.toml", "50 mas", "500 mas")
-    options = ("--junit", "j.xml", "--format", "github")
-    status, out, errors = run("check", "c.toml", *options)
-    assert (status, errors) == (1, [])
-    words = [line.split() for line in out.splitlines()]
-    assert ["moves.go.settle_to", "0.05", "arcsec", "0.5", "arcsec", "changed"] in words
-    assert "FAILED: 1 condition changed, 24 numbers" in out
-    assert out.count("::error file=c.toml") == 1
-    assert suites("j.xml") == {"Axis 159": (1, 0)}
-    assert run("check", "c.toml", "--update")[0] == 0
-    assert run("check", "c.toml")[0] == 0
+def test_check_updates_what_keeps_its_bounds(run, folder, axis):
+    loosen(axis)
+    before = (folder / "axis.baseline.json").read_bytes()
+    (folder / "axis.check.toml").write_text("[margins]\nphase_margin_deg = {min = 80}")
+    status, out, _ = run("check", "axis.toml", "--update", "--junit", "junit.xml")
+    assert status == 1
+    assert "Nothing is stored" in out
+    assert (folder / "axis.baseline.json").read_bytes() == before
+    (folder / "axis.check.toml").unlink()
+    status, out, _ = run("check", "axis.toml", "--update")
+    assert status == 0
+    assert "worse" in out
+    assert run("check", "axis.toml")[0] == 0
 
 
-@pytest.mark.usefixtures("stored")
-def test_an_override_is_compared_and_not_stored(run, folder):
-    before = contents(folder)
-    option = ("--set", "limits.axis.jerk=3 deg/s^3")
-    status, out, errors = run("check", "axes/*.toml", *option)
-    assert (status, errors) == (1, [])
-    words = [line.split() for line in out.splitlines()]
-    row = ["moves.go.limits.jerk", "none", "10800", "arcsec/s^3", "changed"]
-    assert words.count(row) == 2
-    assert "positions in arcsec, with limits.axis.jerk = '3 deg/s^3'" in out
-    status, out, errors = run("check", "c.toml", "--update", *option)
-    assert (status, out) == (2, "")
-    assert "not of what overrides it (limits.axis.jerk = '3 deg/s^3')" in errors[0]
-    assert contents(folder) == before
-
-
-def test_a_wrong_override_names_key_and_value(run):
-    for command in (("check", "c.toml"), ("survey", "c.toml", "-o", "out")):
-        status, out, (line,) = run(*command, "--set", "moves.go.distance=1 mm")
-        assert (status, out) == (2, "")
-        assert line.startswith(
-            "jounce: c.toml: override moves[0].distance: '1 mm' has the wrong dimension; write an "
+def test_check_of_an_unstable_loop(run, folder, axis):
+    axis.write_text(UNSTABLE)
+    before = (folder / "axis.baseline.json").read_bytes()
+    for option in ((), ("--update",)):
+        status, out, errors = run(
+            "check", "axis.toml", "--junit", "junit.xml", "--format", "github", *option
         )
+        assert (status, errors) == (1, [])
+        assert "FAILED: axis.toml: the closed loop is UNSTABLE" in out
+        assert "::error file=axis.toml" in out
+        (case,) = ElementTree.parse("junit.xml").getroot()[0]
+        assert "UNSTABLE" in case.find("failure").text
+    assert (folder / "axis.baseline.json").read_bytes() == before
 
 
-def test_survey_takes_overrides(run):
-    status, out, errors = run(
-        "survey",
-        "c.toml",
-        "-o",
-        "out",
-        "--set",
-        "title=Other axis",
-        "--set",
-        "moves.go.distance=1 deg",
-    )
-    assert (status, errors) == (0, [])
-    assert out.startswith(
-        "Other axis\nwith title = 'Other axis'\nwith moves.go.distance = '1 deg'\n"
-    )
-    data = json.loads(Path("out/survey.json").read_text(encoding="utf-8"))
-    assert data["overrides"] == ["title = 'Other axis'", "moves.go.distance = '1 deg'"]
-    assert data["moves"][0]["duration_s"] == pytest.approx(2 * (1 / 0.2) ** 0.5, rel=1e-12)
+@pytest.mark.usefixtures("axis")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--baseline", "nowhere.json"), ["nowhere.json", "No such file", "name a baseline"]),
+        (("--baseline", "folder"), ["folder", "Is a directory", "name a baseline"]),
+        (("--baseline", "axis.toml"), ["axis.toml", "not JSON"]),
+        (("--baseline", "axis.toml", "--update"), ["axis.toml", "not JSON"]),
+        (("--baseline", "nowhere/b.json", "--update"), ["nowhere/b.json", "No such file"]),
+        (("--checks", "nowhere.toml"), ["nowhere.toml", "No such file", "name a check file"]),
+        (("--checks", "axis.baseline.json"), ["axis.baseline.json", "not TOML"]),
+        (("--checks", "axis.toml"), ["axis.toml", "plant: no number has this name"]),
+        (("--junit", "nowhere/j.xml"), ["nowhere/j.xml", "No such file"]),
+        (("--junit", "folder"), ["folder", "Is a directory"]),
+        (("--junit", "link"), ["link", "is a link or a device"]),
+        (("--junit", "axis.toml"), ["--junit axis.toml", "a file that is read"]),
+        (("--junit", "./axis.baseline.json"), ["--junit axis.baseline.json", "a file that is"]),
+    ],
+    ids=range(13),
+)
+def test_check_refuses(run, folder, options, words):
+    Path("folder").mkdir()
+    Path("link").symlink_to("folder/junit.xml")
+    before = {path: path.read_bytes() for path in folder.glob("axis*")}
+    status, out, errors = run("check", "axis.toml", *options)
+    assert (status, out) == (2, "")
+    assert errors[0].startswith("jounce: ")
+    assert all(word in errors[0] for word in words)
+    assert {path: path.read_bytes() for path in folder.glob("axis*")} == before
+    assert names(folder) == {"axis.toml", "axis.baseline.json", "folder", "link"}
+    assert Path("link").is_symlink()
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_of_bad_input_leaves_no_green_file(run, folder):
+    (folder / "junit.xml").write_text("<testsuites/>")
+    (folder / "axis.check.toml").write_text("xyz = 1\nrtol = -1")
+    options = ("--junit", "junit.xml", "--format", "github")
+    status, out, errors = run("check", "axis.toml", *options)
+    assert (status, len(errors)) == (2, 2)
+    (annotation,) = out.splitlines()
+    assert annotation == "::error ::" + "%0A".join(errors).removeprefix("jounce: ")
+    (suite,) = ElementTree.parse("junit.xml").getroot()
+    assert [suite.get(key) for key in ("tests", "failures", "errors")] == list("101")
+    assert "xyz" in suite.find("testcase/error").text
+    assert names(folder) == {"axis.toml", "axis.baseline.json", "axis.check.toml", "junit.xml"}
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_of_bad_input_keeps_the_files_that_it_reads(run, folder):
+    (folder / "axis.baseline.json").write_text("<<<<<<< HEAD")
+    for name in ("axis.toml", "axis.baseline.json", "axis.check.toml"):
+        before = {path: path.read_bytes() for path in folder.iterdir()}
+        status, _, (line,) = run("check", "axis.toml", "--junit", name)
+        assert status == 2
+        assert "not JSON" in line
+        assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_says_how_to_replace_a_damaged_baseline(run, folder):
+    baseline = folder / "axis.baseline.json"
+    baseline.write_text("<<<<<<< HEAD\n" + baseline.read_text())
+    line = refused(run, folder, "check", "axis.toml", "--update")
+    assert line.endswith("delete the file and store anew with --update")
+    baseline.unlink()
+    assert run("check", "axis.toml", "--update")[0] == 0
+
+
+def test_check_shows_failures_alone_unless_all_is_asked_for(run, axis):
+    loosen(axis)
+    status, out, _ = run("check", "axis.toml")
+    _, full, _ = run("check", "axis.toml", "--all")
+    same = int(re.search(r"^and (\d+) numbers the same", out, re.MULTILINE)[1])
+    assert status == 1
+    assert "moves.go.duration_s" not in out
+    assert "moves.go.duration_s" in full
+    assert "numbers the same" not in full
+    assert len(full.splitlines()) - len(out.splitlines()) == same - 2  # its line and an empty one
+    assert f", {same} same)" in out
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.usefixtures("axis")
+def test_check_says_that_it_cannot_print():
+    code = "from jounce.app.command_line import main; main()"
+    command = [sys.executable, "-c", code, "check", "axis.toml"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, timeout=60, check=False)
+    assert done.returncode == 2
+    line = done.stderr.decode().splitlines()[0]
+    assert line.startswith("jounce: standard output: No space left on device; ")
+
+
+def test_check_needs_something_to_judge_by(run, folder):
+    (folder / "axis.toml").write_text(UNSTABLE.replace('kr = "1 ', 'kr = "5 '))
+    line = refused(run, folder, "check", "axis.toml")
+    assert "--update" in line
+    assert "axis.check.toml" in line
+
+
+@pytest.mark.usefixtures("axis")
+def test_check_prints_names_as_they_are(run, folder):
+    text = (folder / "axis.toml").read_text().replace('"go"', "'[red]go :cat: é \"x\"'")
+    (folder / "odd [1].toml").write_text(text, encoding="utf-8")
+    status, out, _ = run("check", "odd [1].toml", "--update")
+    assert status == 0
+    assert r'moves."[red]go :cat: é \"x\"".duration_s' in out
+    assert "Wrote odd [1].baseline.json" in out

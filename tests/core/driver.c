@@ -170,13 +170,14 @@ static jounce_state at(const jounce_piece *piece, double t) {
 typedef struct {
     double x, x_span, v, a;
     double reach, gain; /* how far it goes, and by how much v changes, before speeds are gone */
+    double time;        /* that of the whole plan, of which a follower takes a sample */
 } Sizes;
 
 /* What rounding is measured by. */
 static Sizes sizes(const Problem *problem, const jounce_motion *m) {
     const jounce_limits *l = &problem->limits;
     double low = m->end.x, high = m->end.x, jerk = smaller(l->j_high, -l->j_low);
-    Sizes s = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    Sizes s = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     int i;
     for (i = 0; i < m->count; i++) {
         const jounce_piece *p = &m->pieces[i];
@@ -192,6 +193,7 @@ static Sizes sizes(const Problem *problem, const jounce_motion *m) {
     s.v = larger(s.v, larger(magnitude(m->end.v), magnitude(problem->start.v)));
     s.a = larger(s.a, larger(magnitude(m->end.a), magnitude(problem->start.a)));
     s.x_span = high - low + s.v * m->duration;
+    s.time = larger(m->duration, s.v / smaller(l->a_high, -l->a_low));
     s.gain = s.a * s.a / jerk;
     s.reach = (s.v + s.gain) * (s.v / smaller(l->a_high, -l->a_low) + s.a / jerk);
     s.reach += square_root((s.v + s.gain) / jerk) * s.v;
@@ -210,12 +212,11 @@ static int starts_inside(const Problem *p) {
 }
 
 /* Whether a ramp of the acceleration takes so little time that it is taken for a jump. */
-static int jumps(const Problem *p, const jounce_motion *m, const Sizes *s) {
-    double time = larger(m->duration, s->v / smaller(p->limits.a_high, -p->limits.a_low));
+static int jumps(const Problem *p, const Sizes *s) {
     double steepest = larger(p->limits.j_high, -p->limits.j_low);
     double most = larger(magnitude(p->start.a), magnitude(p->end.a));
     most = larger(most, p->limits.a_high < LARGEST ? p->limits.a_high : 0.0);
-    return p->order == 2 || most / steepest < 1e-14 * time;
+    return p->order == 2 || most / steepest < 1e-14 * s->time;
 }
 
 static int check_bound(const char *what, double found, double low, double high, double size) {
@@ -273,7 +274,7 @@ static int check_joints(const Problem *p, const jounce_motion *m, const Sizes *s
         }
         bad = bad || near("position at a joint", there.x, here.x, x_slack) ||
               near("velocity at a joint", there.v, here.v, v_slack);
-        if (!jumps(p, m, s)) {
+        if (!jumps(p, s)) {
             bad = bad || near("acceleration at a joint", there.a, here.a, a_slack);
         }
         if (i < m->count) {
@@ -384,6 +385,7 @@ static int follows(Problem p) {
         motion.inside_after = 0.0;
         s = sizes(&p, &motion);
         s.x = larger(s.x, magnitude(command));
+        s.time += (s.v + magnitude(velocity)) / smaller(p.limits.a_high, -p.limits.a_low);
         s.gain += magnitude(velocity) + smaller(p.limits.a_high, -p.limits.a_low) * follower.dt;
         s.reach += s.gain * follower.dt; /* what is done in no time beside a sample */
         s.a += ROUNDING * larger(p.limits.j_high, -p.limits.j_low) * follower.dt;

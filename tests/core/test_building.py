@@ -58,6 +58,18 @@ def test_missing_headers_of_python_are_named(tmp_path):
     assert "apt-get install python3-dev" in said
 
 
+@pytest.mark.parametrize("free_threaded", [False, True])
+def test_a_python_without_lock_gets_no_stable_interface(free_threaded, tmp_path):
+    code = (
+        "import sysconfig\n"
+        f"sysconfig.get_config_var = {{'Py_GIL_DISABLED': {int(free_threaded)}}}.get\n"
+        "import compiler; core = compiler.core()\n"
+        "print(core.py_limited_api, [name for name, _ in core.define_macros])"
+    )
+    expected = "False []" if free_threaded else "True ['Py_LIMITED_API']"
+    assert python(code, tmp_path) == f"{expected}\n"
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.environ.get("JOUNCE_TIER") != "slow", reason="zig is downloaded: slow tier")
 def test_the_source_is_installed_where_there_is_no_compiler(tmp_path):

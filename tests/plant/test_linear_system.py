@@ -6,8 +6,8 @@ import pytest
 
 from jounce.fmu.cosimulation.cosimulate import cosimulate
 from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, ServoLoop
+from jounce.plant.exact_response import respond, state_space
 from jounce.plant.linear_system import linear_system, static_gain
-from jounce.plant.respond import respond, state_space
 from jounce.plant.sampled import zero_order_hold
 from jounce.shaping import JerkFilter, Limits, min_time_move
 

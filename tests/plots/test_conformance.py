@@ -5,7 +5,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from jounce.analysis.conformance import conformance
+from jounce.analysis.log_conformance import conformance
 from jounce.plots.conformance import plot_band, plot_conformance
 from jounce.shaping import Limits, min_time_move
 

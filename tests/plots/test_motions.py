@@ -14,9 +14,9 @@ from jounce.shaping import (
     Trajectory,
     min_jerk_move,
     min_time_move,
-    recursive_s_curve,
 )
 from jounce.shaping.optimal.binding import BINDING_RTOL
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 COMMANDS = [0.0, 1.0, 1.0, 1.0, 1.0, -2.0, -2.0, -2.0, 0.5, 0.5, 0.5, 0.5]
 

@@ -26,16 +26,6 @@ moves = [{name = "go", distance = "DISTANCE", settle_to = "TOLERANCE"}]
 """
 
 
-@pytest.fixture(scope="module")
-def telescope():
-    return survey_file(EXAMPLES / "telescope.toml")
-
-
-@pytest.fixture(scope="module")
-def rubin():
-    return survey_file(EXAMPLES / "rubin_mount.toml")
-
-
 @pytest.fixture
 def ax() -> Axes:
     return Figure().subplots()

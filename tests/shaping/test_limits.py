@@ -18,10 +18,10 @@ from jounce.shaping import (
     min_time_moves,
     min_time_transfer,
     min_time_transfers,
-    recursive_s_curve,
     synchronize,
     velocity_transfer,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 
 def test_a_number_bounds_both_directions():
@@ -198,6 +198,85 @@ def test_arrays_that_do_not_enclose_zero_are_refused_by_their_index(bound, messa
 def test_lists_are_pairs_of_numbers_and_nothing_else(bound):
     with pytest.raises(TypeError, match=r"^jerk limit .* make a list of bounds an array"):
         Limits(jerk=bound)
+
+
+BOUNDS = np.array([2.0, 3.0])
+SQUARE = np.array([[2.0, 3.0], [4.0, 5.0]])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "remedy", "right"),
+    [
+        ((None, 1.0), "write -inf or inf for a side without a bound", (-inf, 1.0)),
+        ([-1.0, None], "write -inf or inf for a side without a bound", [-1.0, inf]),
+        ([2.0, 3.0, 4.0], "make a list of bounds an array", np.array([2.0, 3.0, 4.0])),
+        (np.array([-1.0, 2.0]), "is two bounds: make a pair a tuple", (-1.0, 2.0)),
+        (
+            SQUARE,
+            r"an array \(2, 2\) is pairs: give .* pair \(-bounds, bounds\)",
+            (-SQUARE, SQUARE),
+        ),
+        (0.0, "leave it out where there is none", None),
+        ((1.0, 2.0), "leave it out where there is none", None),
+    ],
+    ids=range(7),
+)
+def test_the_remedy_of_a_refused_bound_works(wrong, remedy, right):
+    with pytest.raises((TypeError, ValueError), match=f"^jerk limit .*; .*{remedy}") as told:
+        Limits(jerk=wrong, snap=1.0)
+    assert "\n" not in str(told.value)
+    assert Limits(jerk=right, snap=1.0).order == 4
+
+
+@pytest.mark.parametrize(
+    ("bound", "lower", "upper"),
+    [
+        ((-BOUNDS, BOUNDS), [-2.0, -3.0], [2.0, 3.0]),
+        ([-BOUNDS, BOUNDS], [-2.0, -3.0], [2.0, 3.0]),
+        ((-1.0, BOUNDS), -1.0, [2.0, 3.0]),
+        ([-BOUNDS, 4], [-2.0, -3.0], 4.0),
+        (BOUNDS, [-2.0, -3.0], [2.0, 3.0]),
+        (BOUNDS.astype(int), [-2.0, -3.0], [2.0, 3.0]),
+        (BOUNDS.astype(object), [-2.0, -3.0], [2.0, 3.0]),
+        (SQUARE * [-1.0, 1.0], [-2.0, -4.0], [3.0, 5.0]),
+        (BOUNDS[:1], [-2.0], [2.0]),
+        (BOUNDS[:, None], [[-2.0], [-3.0]], [[2.0], [3.0]]),
+        (np.stack([-SQUARE, SQUARE], axis=-1), (-SQUARE).tolist(), SQUARE.tolist()),
+        (np.array(2.0), -2.0, 2.0),
+        ((np.array(-1.0), np.float32(2.0)), -1.0, 2.0),
+        (BOUNDS[:0], [], []),
+    ],
+    ids=range(14),
+)
+def test_every_way_to_give_bounds_means_what_is_said(bound, lower, upper):
+    limits = Limits(1.0, bound, 9.0)
+    sides = [np.asarray(side).tolist() for side in limits.bounds(2)]
+    assert sides == [lower, upper]
+    shapes = [np.shape(side) for side in (lower, upper)]
+    assert limits.shape == np.broadcast_shapes(*shapes)
+    again = Limits.from_bounds([None, bound, 9.0])
+    assert [np.asarray(side).tolist() for side in again.bounds(2)] == sides
+
+
+def test_an_array_gives_its_rows_as_bounds():
+    assert Limits.from_bounds(np.array([1.0, 2.0, 3.0])) == Limits(1.0, 2.0, 3.0)
+    assert Limits.from_bounds(SQUARE * [-1.0, 1.0]) == Limits((-2.0, 3.0), (-4.0, 5.0))
+    rows = np.ones((2, 5))
+    assert Limits.from_bounds(rows).shape == (5,)
+    assert Limits.from_bounds(np.stack([-rows, rows], axis=-1)) == Limits.from_bounds(rows)
+
+
+def test_bounds_by_name_are_told_how_to_become_limits():
+    bounds = {"velocity": 1.0, "acceleration": np.array([1.0, 2.0])}
+    for call in (
+        lambda limits: min_time_transfers([0.0], [[1.0]], limits),
+        lambda limits: min_time_moves([1.0], limits),
+        lambda limits: min_time_transfer(0.0, 1.0, limits),
+        lambda limits: min_time_move(1.0, limits),
+    ):
+        with pytest.raises(TypeError, match=r"^limits = .*give bounds by name as Limits\(\*\*boun"):
+            call(bounds)
+    assert min_time_transfers([0.0], [[1.0]], Limits(**bounds)).shape == (2,)
 
 
 MANY = Limits(np.array([1.0, 2.0]), 2.0, 20.0)

@@ -18,7 +18,7 @@ from references import (
 from strategies import MAGNITUDES, bound_lists, bound_pairs
 
 from jounce.shaping import Limits, min_time_move
-from jounce.shaping.closed_form import chain_plan
+from jounce.shaping.closed_form import chain_form
 
 
 def assert_as_published(move, published, text):
@@ -97,7 +97,7 @@ def test_order_1_is_one_cruise(distance):
 def test_the_chain_of_any_order_gives_the_same_durations_and_peaks(bounds):
     filled = [inf if bound is None else bound for bound in bounds]
     move = min_time_move(1.0, Limits.from_bounds(bounds))
-    plan = chain_plan(1.0, filled, len(bounds) - 1)
+    plan = chain_form(1.0, filled, len(bounds) - 1)
     assert move.duration == pytest.approx(plan.duration, rel=1e-14)
     peaks = [*reversed(plan.peaks[:-1]), plan.peak, filled[-1]] if len(bounds) > 1 else filled
     assert [move.peak(k) for k in range(1, len(bounds) + 1)] == pytest.approx(peaks, rel=1e-13)

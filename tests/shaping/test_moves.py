@@ -26,9 +26,9 @@ from jounce.shaping import (
     bound_for_rise_time,
     min_time_move,
     perfect_spline,
-    recursive_s_curve,
     switch_fractions,
 )
+from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 SIGNS = st.sampled_from([-1.0, 1.0])
 DIVISORS = [1, 4, 32, 384, 6144, 122880, 2949120, 82575360, 2642411520, 95126814720]

@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* No fused multiply-add: the same bits on every platform. GCC does not know the standard's pragma. */
+/* No fused multiply-add: the same bits everywhere. GCC does not know the standard's pragma. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)

@@ -10,7 +10,7 @@ static void core_initialize(State *s) {
 /* Rows of A and B, or of C and D below them. */
 static void weigh(State *s, int first_row, int rows, double *result) {
     jounce_linear sizes = {N_STATES, N_INPUTS, N_OUTPUTS, NULL, NULL, NULL, NULL, NULL};
-    jounce_weigh(by_state[first_row], by_input[first_row], rows, &sizes, s->value + V_STATE,
+    jounce_weigh(row_by_state[first_row], row_by_input[first_row], rows, &sizes, s->value + V_STATE,
                  s->value + V_INPUT, result);
 }
 

@@ -2,6 +2,17 @@
 
 #include "fmi2Functions.h"
 
+/* What FMI 3.0 calls otherwise. */
+#define FMI(name) fmi2##name
+#define fmi2Instance fmi2Component
+#define fmi2FMUState fmi2FMUstate
+#define fmi2GetFMUState fmi2GetFMUstate
+#define fmi2SetFMUState fmi2SetFMUstate
+#define fmi2FreeFMUState fmi2FreeFMUstate
+#define fmi2SerializedFMUStateSize fmi2SerializedFMUstateSize
+#define fmi2SerializeFMUState fmi2SerializeFMUstate
+#define fmi2DeserializeFMUState fmi2DeSerializeFMUstate
+
 static void tell(Instance *it, int status, const char *text) {
     fmi2CallbackLogger logger = (fmi2CallbackLogger)it->logger;
     if (logger) {
@@ -10,37 +21,10 @@ static void tell(Instance *it, int status, const char *text) {
     }
 }
 
-#define BEFORE (1u << INSTANTIATED | 1u << INITIALIZING)
-#define RUNNING (1u << STEPPING)
-#define ANY (BEFORE | RUNNING | 1u << TERMINATED)
-#define ALLOWED_IN(phases)                                                                         \
-    Instance *it = c;                                                                              \
-    if (!in_phase(it, __func__, phases)) {                                                         \
-        return fmi2Error;                                                                          \
-    }
+#include "both.c"
 
 const char *fmi2GetTypesPlatform(void) {
     return fmi2TypesPlatform;
-}
-
-const char *fmi2GetVersion(void) {
-    return fmi2Version;
-}
-
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
-                               const fmi2String categories[]) {
-    size_t i;
-    int events = n == 0;
-    ALLOWED_IN(ANY)
-    for (i = 0; i < n; i++) {
-        if (same_text(categories[i], "logEvents")) {
-            events = 1;
-        } else if (!same_text(categories[i], "logStatusError")) {
-            return (fmi2Status)fail(it, "unknown log category");
-        }
-    }
-    it->events = on && events;
-    return fmi2OK;
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
@@ -68,53 +52,25 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         problem = "the GUID is not that of this FMU: modelDescription.xml and binary do not "
                   "belong together";
     }
-    if (problem) {
-        fail(it, problem);
-        free_memory(it);
-        return NULL;
-    }
-    reset(it);
-    it->events = logging;
-    return it;
+    return finished(it, problem, logging);
 }
 
-void fmi2FreeInstance(fmi2Component c) {
-    free_memory(c);
-}
-
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
-                               fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop) {
+fmi2Status fmi2SetupExperiment(fmi2Component instance, fmi2Boolean tolerance_defined,
+                               fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
+                               fmi2Real stop) {
     ALLOWED_IN(1u << INSTANTIATED)
     (void)tolerance_defined, (void)tolerance;
     return (fmi2Status)set_times(it, start, stop_defined, stop);
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+fmi2Status fmi2EnterInitializationMode(fmi2Component instance) {
     ALLOWED_IN(1u << INSTANTIATED)
     it->now.phase = INITIALIZING;
     it->stale = 1;
     return fmi2OK;
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    ALLOWED_IN(1u << INITIALIZING)
-    return (fmi2Status)finish_initialization(it);
-}
-
-fmi2Status fmi2Terminate(fmi2Component c) {
-    ALLOWED_IN(RUNNING)
-    refresh(it);
-    it->now.phase = TERMINATED;
-    return fmi2OK;
-}
-
-fmi2Status fmi2Reset(fmi2Component c) {
-    ALLOWED_IN(ANY)
-    reset(it);
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n,
+fmi2Status fmi2GetReal(fmi2Component instance, const fmi2ValueReference references[], size_t n,
                        fmi2Real values[]) {
     size_t i;
     ALLOWED_IN(ANY)
@@ -126,7 +82,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], s
     return fmi2OK;
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], size_t n,
+fmi2Status fmi2SetReal(fmi2Component instance, const fmi2ValueReference references[], size_t n,
                        const fmi2Real values[]) {
     size_t i;
     ALLOWED_IN(BEFORE | RUNNING)
@@ -140,11 +96,11 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], s
 
 /* Every variable is a real number. */
 #define NONE_OF_TYPE(function, type)                                                               \
-    fmi2Status function(fmi2Component c, const fmi2ValueReference references[], size_t n,          \
+    fmi2Status function(fmi2Component instance, const fmi2ValueReference references[], size_t n,   \
                         type values[]) {                                                           \
         ALLOWED_IN(ANY)                                                                            \
         (void)references, (void)values;                                                            \
-        return n == 0 ? fmi2OK : (fmi2Status)fail(it, "every variable is of type Real");           \
+        return n == 0 ? fmi2OK : FAIL("every variable is of type Real");                           \
     }
 
 NONE_OF_TYPE(fmi2GetInteger, fmi2Integer)
@@ -154,108 +110,42 @@ NONE_OF_TYPE(fmi2SetInteger, const fmi2Integer)
 NONE_OF_TYPE(fmi2SetBoolean, const fmi2Boolean)
 NONE_OF_TYPE(fmi2SetString, const fmi2String)
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *snapshot) {
-    ALLOWED_IN(ANY)
-    if (!*snapshot) {
-        *snapshot = new_memory(sizeof(State));
-    }
-    if (!*snapshot) {
-        return (fmi2Status)fail(it, "out of memory");
-    }
-    *(State *)*snapshot = it->now;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate snapshot) {
-    ALLOWED_IN(ANY)
-    if (!snapshot) {
-        return (fmi2Status)fail(it, "no state given");
-    }
-    restore(it, snapshot);
-    return fmi2OK;
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *snapshot) {
-    (void)c;
-    if (snapshot) {
-        free_memory(*snapshot);
-        *snapshot = NULL;
-    }
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate snapshot, size_t *size) {
-    (void)c, (void)snapshot;
-    *size = SNAPSHOT_SIZE;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate snapshot, fmi2Byte bytes[],
-                                 size_t size) {
-    ALLOWED_IN(ANY)
-    return (fmi2Status)serialize(it, snapshot, (unsigned char *)bytes, size);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
-                                   fmi2FMUstate *snapshot) {
-    State *state;
-    ALLOWED_IN(ANY)
-    state = new_memory(sizeof *state);
-    if (!state) {
-        return (fmi2Status)fail(it, "out of memory");
-    }
-    if (deserialize(it, (const unsigned char *)bytes, size, state) != OK) {
-        free_memory(state);
-        return fmi2Error;
-    }
-    *snapshot = state;
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component instance, const fmi2ValueReference unknowns[],
                                         size_t n_unknowns, const fmi2ValueReference knowns[],
                                         size_t n_knowns, const fmi2Real seeds[],
                                         fmi2Real sensitivities[]) {
-    size_t i, j;
     ALLOWED_IN(1u << INITIALIZING | RUNNING)
-    for (i = 0; i < n_unknowns; i++) {
-        sensitivities[i] = 0.0;
-        for (j = 0; j < n_knowns; j++) {
-            if (add_partials(it, unknowns[i], knowns[j], seeds[j], sensitivities + i) != OK) {
-                return fmi2Error;
-            }
-        }
-    }
-    return fmi2OK;
+    return weigh_partials(it, 0, unknowns, n_unknowns, knowns, n_knowns, seeds, sensitivities);
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference references[],
-                                       size_t n, const fmi2Integer orders[],
-                                       const fmi2Real values[]) {
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component instance,
+                                       const fmi2ValueReference references[], size_t n,
+                                       const fmi2Integer orders[], const fmi2Real values[]) {
     ALLOWED_IN(ANY)
     (void)references, (void)orders, (void)values;
-    return n == 0 ? fmi2OK : (fmi2Status)fail(it, "inputs are held during a step");
+    return n == 0 ? fmi2OK : FAIL("inputs are held during a step");
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference references[],
-                                        size_t n, const fmi2Integer orders[], fmi2Real values[]) {
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component instance,
+                                        const fmi2ValueReference references[], size_t n,
+                                        const fmi2Integer orders[], fmi2Real values[]) {
     ALLOWED_IN(ANY)
     (void)references, (void)orders, (void)values;
-    return n == 0 ? fmi2OK : (fmi2Status)fail(it, "derivatives of outputs are not provided");
+    return n == 0 ? fmi2OK : FAIL("derivatives of outputs are not provided");
 }
 
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_return) {
+fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real time, fmi2Real step, fmi2Boolean no_return) {
     ALLOWED_IN(RUNNING)
     (void)no_return;
     return (fmi2Status)take_step(it, time, step);
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c) {
+fmi2Status fmi2CancelStep(fmi2Component instance) {
     ALLOWED_IN(ANY)
-    return (fmi2Status)fail(it, "no step runs asynchronously");
+    return FAIL("no step runs asynchronously");
 }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+fmi2Status fmi2GetRealStatus(fmi2Component instance, const fmi2StatusKind kind, fmi2Real *value) {
     ALLOWED_IN(ANY)
     if (kind != fmi2LastSuccessfulTime) {
         return fmi2Discard;
@@ -264,7 +154,8 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     return fmi2OK;
 }
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+fmi2Status fmi2GetBooleanStatus(fmi2Component instance, const fmi2StatusKind kind,
+                                fmi2Boolean *value) {
     ALLOWED_IN(ANY)
     if (kind != fmi2Terminated) {
         return fmi2Discard;
@@ -273,17 +164,19 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    (void)c, (void)kind, (void)value;
+fmi2Status fmi2GetStatus(fmi2Component instance, const fmi2StatusKind kind, fmi2Status *value) {
+    (void)instance, (void)kind, (void)value;
     return fmi2Discard;
 }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    (void)c, (void)kind, (void)value;
+fmi2Status fmi2GetIntegerStatus(fmi2Component instance, const fmi2StatusKind kind,
+                                fmi2Integer *value) {
+    (void)instance, (void)kind, (void)value;
     return fmi2Discard;
 }
 
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    (void)c, (void)kind, (void)value;
+fmi2Status fmi2GetStringStatus(fmi2Component instance, const fmi2StatusKind kind,
+                               fmi2String *value) {
+    (void)instance, (void)kind, (void)value;
     return fmi2Discard;
 }

@@ -2,6 +2,8 @@
 
 #include "fmi3Functions.h"
 
+#define FMI(name) fmi3##name
+
 static void tell(Instance *it, int status, const char *text) {
     fmi3LogMessageCallback logger = (fmi3LogMessageCallback)it->logger;
     if (logger) {
@@ -10,34 +12,7 @@ static void tell(Instance *it, int status, const char *text) {
     }
 }
 
-#define BEFORE (1u << INSTANTIATED | 1u << INITIALIZING)
-#define RUNNING (1u << STEPPING)
-#define ANY (BEFORE | RUNNING | 1u << TERMINATED)
-#define ALLOWED_IN(phases)                                                                         \
-    Instance *it = instance;                                                                       \
-    if (!in_phase(it, __func__, phases)) {                                                         \
-        return fmi3Error;                                                                          \
-    }
-
-const char *fmi3GetVersion(void) {
-    return fmi3Version;
-}
-
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t n,
-                               const fmi3String categories[]) {
-    size_t i;
-    int events = n == 0;
-    ALLOWED_IN(ANY)
-    for (i = 0; i < n; i++) {
-        if (same_text(categories[i], "logEvents")) {
-            events = 1;
-        } else if (!same_text(categories[i], "logStatusError")) {
-            return (fmi3Status)fail(it, "unknown log category");
-        }
-    }
-    it->events = on && events;
-    return fmi3OK;
-}
+#include "both.c"
 
 fmi3Instance fmi3InstantiateCoSimulation(
     fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -63,14 +38,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     } else if (n_intermediate) {
         problem = "there are no intermediate updates";
     }
-    if (problem) {
-        fail(it, problem);
-        free_memory(it);
-        return NULL;
-    }
-    reset(it);
-    it->events = logging;
-    return it;
+    return finished(it, problem, logging);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
@@ -94,10 +62,6 @@ fmi3Instance fmi3InstantiateScheduledExecution(
                                         logger);
 }
 
-void fmi3FreeInstance(fmi3Instance instance) {
-    free_memory(instance);
-}
-
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
                                        fmi3Float64 tolerance, fmi3Float64 start,
                                        fmi3Boolean stop_defined, fmi3Float64 stop) {
@@ -110,30 +74,12 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
     return fmi3OK;
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    ALLOWED_IN(1u << INITIALIZING)
-    return (fmi3Status)finish_initialization(it);
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) {
-    ALLOWED_IN(RUNNING)
-    refresh(it);
-    it->now.phase = TERMINATED;
-    return fmi3OK;
-}
-
-fmi3Status fmi3Reset(fmi3Instance instance) {
-    ALLOWED_IN(ANY)
-    reset(it);
-    return fmi3OK;
-}
-
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
                           fmi3Float64 values[], size_t n_values) {
     size_t i;
     ALLOWED_IN(ANY)
     if (n != n_values) {
-        return (fmi3Status)fail(it, "every variable is a scalar: as many values as references");
+        return FAIL("every variable is a scalar: as many values as references");
     }
     for (i = 0; i < n; i++) {
         if (references[i] == 0) {
@@ -150,7 +96,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refere
     size_t i;
     ALLOWED_IN(BEFORE | RUNNING)
     if (n != n_values) {
-        return (fmi3Status)fail(it, "every variable is a scalar: as many values as references");
+        return FAIL("every variable is a scalar: as many values as references");
     }
     for (i = 0; i < n; i++) {
         if (set_value(it, references[i], values[i]) != OK) {
@@ -166,13 +112,13 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refere
                              size_t n, type values[], size_t n_values) {                           \
         ALLOWED_IN(ANY)                                                                            \
         (void)references, (void)values, (void)n_values;                                            \
-        return n == 0 ? fmi3OK : (fmi3Status)fail(it, "every variable is of type Float64");        \
+        return n == 0 ? fmi3OK : FAIL("every variable is of type Float64");                        \
     }                                                                                              \
     fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t n, const type values[], size_t n_values) {                     \
         ALLOWED_IN(ANY)                                                                            \
         (void)references, (void)values, (void)n_values;                                            \
-        return n == 0 ? fmi3OK : (fmi3Status)fail(it, "every variable is of type Float64");        \
+        return n == 0 ? fmi3OK : FAIL("every variable is of type Float64");                        \
     }
 
 NONE_OF_TYPE(Float32, fmi3Float32)
@@ -187,102 +133,26 @@ NONE_OF_TYPE(UInt64, fmi3UInt64)
 NONE_OF_TYPE(Boolean, fmi3Boolean)
 NONE_OF_TYPE(String, fmi3String)
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *snapshot) {
-    ALLOWED_IN(ANY)
-    if (!*snapshot) {
-        *snapshot = new_memory(sizeof(State));
-    }
-    if (!*snapshot) {
-        return (fmi3Status)fail(it, "out of memory");
-    }
-    *(State *)*snapshot = it->now;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState snapshot) {
-    ALLOWED_IN(ANY)
-    if (!snapshot) {
-        return (fmi3Status)fail(it, "no state given");
-    }
-    restore(it, snapshot);
-    return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *snapshot) {
-    (void)instance;
-    if (snapshot) {
-        free_memory(*snapshot);
-        *snapshot = NULL;
-    }
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState snapshot, size_t *size) {
-    (void)instance, (void)snapshot;
-    *size = SNAPSHOT_SIZE;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState snapshot, fmi3Byte bytes[],
-                                 size_t size) {
-    ALLOWED_IN(ANY)
-    return (fmi3Status)serialize(it, snapshot, bytes, size);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
-                                   fmi3FMUState *snapshot) {
-    State *state;
-    ALLOWED_IN(ANY)
-    state = new_memory(sizeof *state);
-    if (!state) {
-        return (fmi3Status)fail(it, "out of memory");
-    }
-    if (deserialize(it, bytes, size, state) != OK) {
-        free_memory(state);
-        return fmi3Error;
-    }
-    *snapshot = state;
-    return fmi3OK;
-}
-
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
                                         size_t n_unknowns, const fmi3ValueReference knowns[],
                                         size_t n_knowns, const fmi3Float64 seeds[], size_t n_seeds,
                                         fmi3Float64 sensitivities[], size_t n_sensitivities) {
-    size_t i, j;
     ALLOWED_IN(1u << INITIALIZING | RUNNING)
     if (n_seeds != n_knowns || n_sensitivities != n_unknowns) {
-        return (fmi3Status)fail(it, "expected a seed for each known, a sensitivity for each unknown");
+        return FAIL("expected a seed for each known, a sensitivity for each unknown");
     }
-    for (i = 0; i < n_unknowns; i++) {
-        sensitivities[i] = 0.0;
-        for (j = 0; j < n_knowns; j++) {
-            if (add_partials(it, unknowns[i], knowns[j], seeds[j], sensitivities + i) != OK) {
-                return fmi3Error;
-            }
-        }
-    }
-    return fmi3OK;
+    return weigh_partials(it, 0, unknowns, n_unknowns, knowns, n_knowns, seeds, sensitivities);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
                                     size_t n_unknowns, const fmi3ValueReference knowns[],
                                     size_t n_knowns, const fmi3Float64 seeds[], size_t n_seeds,
                                     fmi3Float64 sensitivities[], size_t n_sensitivities) {
-    size_t i, j;
     ALLOWED_IN(1u << INITIALIZING | RUNNING)
     if (n_seeds != n_unknowns || n_sensitivities != n_knowns) {
-        return (fmi3Status)fail(it, "expected a seed for each unknown, a sensitivity for each known");
+        return FAIL("expected a seed for each unknown, a sensitivity for each known");
     }
-    for (j = 0; j < n_knowns; j++) {
-        sensitivities[j] = 0.0;
-        for (i = 0; i < n_unknowns; i++) {
-            if (add_partials(it, unknowns[i], knowns[j], seeds[i], sensitivities + j) != OK) {
-                return fmi3Error;
-            }
-        }
-    }
-    return fmi3OK;
+    return weigh_partials(it, 1, knowns, n_knowns, unknowns, n_unknowns, seeds, sensitivities);
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,

@@ -55,11 +55,11 @@ NOT_PROVIDED(fmi3CompletedIntegratorStep,
               fmi3Boolean *terminate))
 NOT_PROVIDED(fmi3SetTime, (fmi3Instance instance, fmi3Float64 time))
 NOT_PROVIDED(fmi3SetContinuousStates,
-             (fmi3Instance instance, const fmi3Float64 states[], size_t n))
+             (fmi3Instance instance, const fmi3Float64 x[], size_t n))
 NOT_PROVIDED(fmi3GetContinuousStateDerivatives,
              (fmi3Instance instance, fmi3Float64 derivatives[], size_t n))
 NOT_PROVIDED(fmi3GetEventIndicators, (fmi3Instance instance, fmi3Float64 indicators[], size_t n))
-NOT_PROVIDED(fmi3GetContinuousStates, (fmi3Instance instance, fmi3Float64 states[], size_t n))
+NOT_PROVIDED(fmi3GetContinuousStates, (fmi3Instance instance, fmi3Float64 x[], size_t n))
 NOT_PROVIDED(fmi3GetNominalsOfContinuousStates,
              (fmi3Instance instance, fmi3Float64 nominals[], size_t n))
 NOT_PROVIDED(fmi3GetNumberOfEventIndicators, (fmi3Instance instance, size_t *n))

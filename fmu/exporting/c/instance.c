@@ -173,7 +173,8 @@ static int finish_initialization(Instance *it) {
 static int take_step(Instance *it, double t, double h) {
     const char *problem;
     if (!is_finite(h) || h <= 0.0) {
-        return fail_with(it, "communication step", h, ": expected a positive, finite time", 1.0 / 0.0);
+        return fail_with(it, "communication step", h, ": expected a positive, finite time",
+                         1.0 / 0.0);
     }
     if (!is_finite(t) || magnitude(t - it->now.time) > 0.5 * h + 1e-9 * magnitude(t)) {
         return fail_with(it, "communication point", t, ": expected the end of the last step, ",

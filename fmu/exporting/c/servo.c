@@ -31,7 +31,7 @@ static double corner(const State *s) {
 /* The command behind the filter, at the time that has been reached. */
 static void command(State *s) {
     double motion[N_MOTION] = {0};
-    motion_at(s->memory[REACHED], SAME_TIME, motion);
+    jounce_evaluate_at(&planned, s->memory[REACHED], SAME_TIME, ORDER, motion);
     jounce_lags_output(s->memory + LAGS, N_LAGS, motion, 2, corner(s), s->value + V_R);
 }
 
@@ -46,11 +46,11 @@ static void put_out(State *s) {
 static void filter_on(State *s, double t, double end) {
     while (N_LAGS > 0 && t < end) {
         double motion[N_MOTION] = {0}, next = end;
-        int piece = piece_at(t);
-        if (piece < N_BREAKS && breaks[piece] < end) {
+        size_t piece = jounce_breaks_up_to(&planned, t);
+        if (piece <= planned.count && breaks[piece] < end) {
             next = breaks[piece];
         }
-        motion_at(t, 0.0, motion);
+        jounce_evaluate_at(&planned, t, 0.0, ORDER, motion);
         jounce_advance_lags(s->memory + LAGS, N_LAGS, motion, ORDER, next - t, corner(s));
         t = next;
     }

@@ -13,7 +13,8 @@ static void core_initialize(State *s) {
 static void core_outputs(State *s, int running) {
     double early = BREAK_SLACK * s->memory[LAST_STEP];
     (void)running;
-    motion_at(s->time - s->value[V_DELAY], early, s->value + V_POSITION);
+    jounce_evaluate_at(&planned, s->time - s->value[V_DELAY], early, ORDER,
+                       s->value + V_POSITION);
     s->value[V_POSITION] += s->value[V_OFFSET];
 }
 

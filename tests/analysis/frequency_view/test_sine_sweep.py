@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.frequency_view.describing_function import describing_function
+from jounce.analysis.frequency_view.describing_functions import describing_function
 from jounce.analysis.frequency_view.sine_sweep import SAMPLES_PER_PERIOD, checked_sweep
 from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
 

@@ -271,11 +271,14 @@ def test_it_compiles_for_a_cortex_m4_that_has_nothing(name, tmp_path):
 
 
 @pytest.mark.usefixtures("unmeasured")
-def test_the_core_leaves_as_it_is(tmp_path):
-    made = export_c(BLOCKS["follower"](), tmp_path / "c")
+@pytest.mark.parametrize(
+    ("name", "needed"), [("follower", "follower.c"), ("trajectory", "evaluation.c")]
+)
+def test_the_core_leaves_as_it_is(name, needed, tmp_path):
+    made = export_c(BLOCKS[name](), tmp_path / "c")
     shipped = [path for path in made.files if path.startswith("core/")]
-    assert "core/follower.c" in shipped
-    assert "core/evaluation.c" not in shipped
+    assert f"core/{needed}" in shipped
+    assert "core/linear.c" not in shipped
     for path in shipped:
         own = Path(core.__file__).parent / Path(path).name
         assert (made.folder / path).read_bytes() == own.read_bytes()

@@ -11,12 +11,13 @@ from every_block import BLOCKS, makers
 from fmus import VERSIONS, fmu_of, needs_compiler, unpacked
 
 from jounce.fmu.exporting import sources
+from jounce.fmu.exporting.c_texts import WARNINGS
 from jounce.fmu.exporting.compile import host_compiler
 from jounce.fmu.exporting.dispatch import block_of
 from jounce.fmu.exporting.sources import MAIN, licences, sources_of
 from jounce.fmu.exporting.xml_fmi3 import build_description
 
-STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "-o", "model.o"]
+STRICT = ["-std=c99", *WARNINGS.split(), "-Werror", "-c", "-o", "model.o"]
 
 
 @needs_compiler

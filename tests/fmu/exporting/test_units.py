@@ -3,8 +3,10 @@
 import pint
 import pytest
 
+from jounce.app.units import factor
 from jounce.fmu.exporting import units
 from jounce.fmu.exporting.units import unit_definition
+from jounce.units import UNITS
 
 REGISTRY = pint.UnitRegistry()
 BASE = {"kg": "kilogram", "m": "meter", "s": "second", "A": "ampere", "rad": "radian"}
@@ -17,7 +19,10 @@ SPELLED = {
 }
 
 
-@pytest.mark.parametrize("symbol", [*units._SYMBOLS])
+PREFIXED = ["mrad", "mdeg", "km", "cm", "mm", "um", "nm", "ms", "us", "kN", "MPa", "kW", "mV", "mA"]
+
+
+@pytest.mark.parametrize("symbol", [name for name in UNITS if not UNITS[name].zero] + PREFIXED)
 def test_every_symbol_is_what_pint_says(symbol):
     unit = unit_definition(symbol)
     quantity = REGISTRY.Quantity(1.0, SPELLED.get(symbol, symbol))
@@ -27,6 +32,20 @@ def test_every_symbol_is_what_pint_says(symbol):
     for name, exponent in unit.exponents:
         quantity = quantity / REGISTRY.Quantity(1.0, BASE.get(name, name)) ** exponent
     assert quantity.to("dimensionless").magnitude == pytest.approx(unit.factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "symbol", [name for name in UNITS if name != "Hz" and not UNITS[name].zero]
+)
+def test_a_scenario_file_reads_every_unit_as_an_fmu_does(symbol):
+    assert factor(symbol) == unit_definition(symbol).factor
+
+
+@pytest.mark.parametrize("name", ["degC", "degF"])
+def test_temperatures_with_a_zero_of_their_own_are_no_factors(name):
+    assert float(UNITS[name].zero) == pytest.approx(REGISTRY.Quantity(0.0, name).to("K").magnitude)
+    with pytest.raises(ValueError, match="is not known"):
+        unit_definition(name)
 
 
 @pytest.mark.parametrize(
@@ -44,7 +63,9 @@ def test_products_and_quotients(name, factor, exponents):
     assert (unit.factor, dict(unit.exponents)) == (pytest.approx(factor), exponents)
 
 
-@pytest.mark.parametrize("name", ["furlong", "N*m", "", "N.", "m/", "rad/(s)", "m0", "1.1"])
+@pytest.mark.parametrize(
+    "name", ["furlong", "N*m", "", "N.", "m/", "rad/(s)", "m0", "1.1", "kmin", "Mm100", "ukg"]
+)
 def test_what_is_not_known_is_refused(name):
     with pytest.raises(ValueError, match="is not known"):
         unit_definition(name)

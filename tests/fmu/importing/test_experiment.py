@@ -150,7 +150,15 @@ ARGUMENTS = {
     "none": ('"plain"', "plain"),
     "a lone sign": ('"50 % slower than 10 %"', "50 % slower than 10 %"),
     "one that writes": ('"%s%n", "x", (int *)0', "%s%n"),
-    "more than there is room for": ('"%5000d", 1', " " * 4095),
+    "more than there is room for": ('"%4096d%s", 1, "x"', " " * 4095),
+    "sizes as arguments": ('"%*d|%-*s|%.*f", 5, 42, 4, "ab", 2, 3.14159', "42|ab  |3.14"),
+    "part of a text": ('"%5.3s|%.2s|%Lg", "abcdef", "xyz", (long double)2.5', "abc|xy|2.5"),
+    "no text": ('"%s", (char *)0', "(null)"),
+    "text that is nowhere": ('"%s sure", (char *)8', "%s sure"),
+    "a width without end": ('"%2147483647d", 1', "%2147483647d"),
+    "a precision without end": ('"%.*f", 2147483647, 1.0', "%.*f"),
+    "wide text": ('"%ls", (void *)L"wide"', "%ls"),
+    "lengths that C does not know": ('"%hg %Ls %lllld %1$d", 1.0', "%hg %Ls %lllld %1$d"),
 }
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from strategies import bound_lists
 
 from jounce.shaping.batches.chains import chains, int_power, spline_spans
-from jounce.shaping.closed_form import chain_plan, spline_span
+from jounce.shaping.closed_form import chain_form, spline_span
 
 
 def random_bounds(seed, order, count, decades=12.0):
@@ -30,7 +30,7 @@ def test_every_level_is_the_scalar_plan(order):
     for level in range(order):
         plans = plan_all(bounds, level)
         for i, column in enumerate(bounds.T.tolist()):
-            plan, text = chain_plan(1.0, column, level), f"chain_plan(1.0, {column!r}, {level})"
+            plan, text = chain_form(1.0, column, level), f"chain_form(1.0, {column!r}, {level})"
             for name in ("span", "peak", "highest", "duration"):
                 found = getattr(plans, name)[i]
                 assert found == pytest.approx(getattr(plan, name), rel=2e-14), f"{text}: {name}"

@@ -242,7 +242,10 @@ def test_numbers_in_one_direction_are_enough_where_they_are_needed():
             r"^velocity of problem 0 is bounded in one direction only, \(-1, inf\): expected",
         ),
         ({"distances": [1.0, 1e308], "limits": Limits(1e-9)}, r"state of move 1 leaves the range"),
-        ({"distances": [[1.0, 1e-308]], "limits": Limits(pop=1e300)}, r"of move 0, 1 leaves the"),
+        (
+            {"distances": [[1.0, 1e308]], "limits": Limits(velocity=1e-9, pop=1.0)},
+            r"of move 0, 1 leaves the",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(changes, message):

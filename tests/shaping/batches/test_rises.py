@@ -6,7 +6,7 @@ import pytest
 from jounce.shaping.batches.chains import chains
 from jounce.shaping.batches.rises import chain_pieces, swing_pieces
 from jounce.shaping.batches.swings import swings
-from jounce.shaping.closed_form import chain_plan, swing_plan
+from jounce.shaping.closed_form import chain_form, swing_form
 
 COUNT = 12
 
@@ -37,7 +37,7 @@ def test_chains(order):
         durations, rows = chain_pieces(plans)
         assert rows.shape == (order + 1, len(durations), COUNT)
         for i, column in enumerate(bounds.T.tolist()):
-            rise = chain_plan(1.0, column, level).build()
+            rise = chain_form(1.0, column, level).build()
             assert_same(durations[:, i], rows[..., i], rise, f"{column!r}, level {level}")
 
 
@@ -49,5 +49,5 @@ def test_swings(order):
         durations, rows = swing_pieces(swings(np.ones(COUNT), list(bounds)), np.ones(COUNT))
     assert durations.shape == (3 * (order - 2) + 2, COUNT)
     for i, column in enumerate(bounds.T.tolist()):
-        rise = swing_plan(1.0, column).build()
+        rise = swing_form(1.0, column).build()
         assert_same(durations[:, i], rows[..., i], rise, repr(column))

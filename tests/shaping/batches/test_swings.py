@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jounce.shaping.batches.swings import swings
-from jounce.shaping.closed_form import swing_plan
+from jounce.shaping.closed_form import swing_form
 
 
 @pytest.mark.parametrize("order", range(3, 9))
@@ -23,7 +23,7 @@ def test_every_one_is_the_scalar_plan(order, decades):
         found = swings(distances, list(bounds))
     nothing = 0
     for i, (distance, column) in enumerate(zip(distances.tolist(), bounds.T.tolist(), strict=True)):
-        plan, text = swing_plan(distance, column), f"swing_plan({distance!r}, {column!r})"
+        plan, text = swing_form(distance, column), f"swing_form({distance!r}, {column!r})"
         if plan is None:
             assert found.duration[i] == inf, text
             nothing += 1
@@ -41,5 +41,5 @@ def test_bounds_may_be_numbers():
     bounds = [2.0, 3.0, 40.0, 500.0]
     with np.errstate(all="ignore"):
         found = swings(np.array([0.1, 1.0]), [np.array(bound) for bound in bounds])
-    expected = [swing_plan(distance, bounds).duration for distance in (0.1, 1.0)]
+    expected = [swing_form(distance, bounds).duration for distance in (0.1, 1.0)]
     np.testing.assert_allclose(found.duration, expected, rtol=1e-14)

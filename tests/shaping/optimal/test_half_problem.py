@@ -27,7 +27,7 @@ def problem_of(bounds, distance: float = 1.0, **options) -> HalfProblem:
     return HalfProblem.make(distance, limits, closed_form(distance, limits), **options)
 
 
-def grid(seed: int, cells: int = 12):
+def mesh(seed: int, cells: int = 12):
     """Return uneven nodes from 0 to 1."""
     rng = np.random.default_rng(seed)
     nodes = np.concatenate([[0.0], np.cumsum(rng.uniform(0.2, 1.0, cells))])
@@ -132,7 +132,7 @@ def test_units_are_the_peaks_and_never_above_them(bounds, shortest):
 @FEW
 @given(problem=PROBLEMS, seed=SEEDS, half=HALVES)
 def test_bounds_hold_between_the_nodes_and_the_middle_is_one(problem, seed, half):
-    nodes, n = grid(seed), problem.order
+    nodes, n = mesh(seed), problem.order
     found = HalfProgram(problem, nodes).solve(half)
     assert found is not None
     x = motion(nodes, found.inputs, n)
@@ -153,7 +153,7 @@ def test_bounds_hold_between_the_nodes_and_the_middle_is_one(problem, seed, half
 @given(problem=PROBLEMS, seed=SEEDS, halves=st.tuples(HALVES, HALVES))
 def test_the_worth_of_bounds_sums_to_the_distance_and_is_a_tangent(problem, seed, halves):
     """Linear programs are concave in their bounds, L_k·η^k here: no other η gets further."""
-    program = HalfProgram(problem, grid(seed))
+    program = HalfProgram(problem, mesh(seed))
     here, there = (program.solve(half) for half in halves)
     assert here is not None
     assert there is not None
@@ -166,7 +166,7 @@ def test_the_worth_of_bounds_sums_to_the_distance_and_is_a_tangent(problem, seed
 @FEW
 @given(problem=PROBLEMS, seed=SEEDS)
 def test_a_finer_grid_gets_no_less_far(problem, seed):
-    nodes = grid(seed)
+    nodes = mesh(seed)
     middles = 0.5 * (nodes[1:] + nodes[:-1])
     coarse = HalfProgram(problem, nodes).solve(1.0)
     fine = HalfProgram(problem, np.union1d(nodes, middles)).solve(1.0)
@@ -180,7 +180,7 @@ def test_a_finer_grid_gets_no_less_far(problem, seed):
 @FEW
 @given(problem=PROBLEMS, seed=SEEDS)
 def test_bounds_at_the_nodes_alone_get_further(problem, seed):
-    nodes = grid(seed)
+    nodes = mesh(seed)
     found = HalfProgram(problem, nodes).solve(1.0)
     assert found is not None
     assert found.distance <= reach_at_nodes(problem, nodes) * (1.0 + OPTIMAL)
@@ -224,7 +224,7 @@ def reach_at_nodes(problem: HalfProblem, nodes) -> float:
 @pytest.mark.parametrize("order", [4, 5, 6, 7])
 def test_on_its_own_switches_the_perfect_spline_is_found(order):
     switches = 2.0 * switch_fractions(order)
-    nodes = np.union1d(switches[switches < 1.0 - 1e-9], grid(order))
+    nodes = np.union1d(switches[switches < 1.0 - 1e-9], mesh(order))
     problem = problem_of([*[None] * (order - 1), 7.0])
     found = HalfProgram(problem, nodes).solve(1.0)
     assert found is not None
@@ -238,7 +238,7 @@ def test_on_its_own_switches_the_perfect_spline_is_found(order):
 def test_a_half_that_is_to_cruise_ends_at_full_velocity(seed, half):
     problem = problem_of([0.3, 4.0, 60.0, 900.0])
     cruising = HalfProblem(problem.lower, problem.upper, problem.peaks, cruising=True)
-    nodes = grid(seed, 40)
+    nodes = mesh(seed, 40)
     found = HalfProgram(cruising, nodes).solve(half)
     assert found is not None
     x = motion(nodes, found.inputs, 4)
@@ -250,7 +250,7 @@ def test_a_half_that_is_to_cruise_ends_at_full_velocity(seed, half):
 def test_a_half_too_short_for_its_cruise_is_none():
     problem = problem_of([0.3, 4.0, 60.0, 900.0])
     cruising = HalfProblem(problem.lower, problem.upper, problem.peaks, cruising=True)
-    program = HalfProgram(cruising, grid(3))
+    program = HalfProgram(cruising, mesh(3))
     assert program.solve(1e-2) is None
     assert program.solve(1.0) is not None
 
@@ -280,7 +280,7 @@ def test_duration_of_solves_the_polynomial(worth, guess):
 @FEW
 @given(bounds=bound_lists(4, 6), seed=SEEDS, half=HALVES)
 def test_levels_are_those_of_the_motion(bounds, seed, half):
-    problem, nodes = problem_of(bounds), grid(seed)
+    problem, nodes = problem_of(bounds), mesh(seed)
     inputs = np.random.default_rng(seed).uniform(-1.0, 1.0, len(nodes) - 1)
     found = problem.levels(nodes, inputs, half)
     for k, row in zip(problem.relevant(), found, strict=True):
@@ -294,7 +294,7 @@ def test_a_bound_that_was_left_out_comes_back_where_inputs_break_it():
     snap = Limits(snap=1.0)
     problem = problem_of([None, None, 4.0 * closed_form(1.0, snap).peak("jerk"), 1.0])
     assert problem.relevant() == []
-    nodes, half = grid(3), 1.0
+    nodes, half = mesh(3), 1.0
     jerk = problem.upper[3]
     for factor, expected in ((0.99, []), (1.01, [3])):
         inputs = np.full(len(nodes) - 1, factor * jerk)  # over 1 they make a jerk of as much

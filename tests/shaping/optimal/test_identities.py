@@ -28,7 +28,7 @@ FACTORS = st.sampled_from([1.0 + 1e-9, 1.0 + 1e-4, 1.03, 1.7, 30.0])
 SIGNS = st.sampled_from([-1.0, 1.0])
 ROUNDING = 1e-11
 NEAR = 5e-3  # of the duration: the largest gap that adversarial bounds may leave
-SAME = 1e-4  # of the duration: how much grids that differ by rounding may differ by
+SAME = 1e-4  # of the duration: how much meshes that differ by rounding may differ by
 
 
 def optimal(distance, bounds, **options):
@@ -127,7 +127,7 @@ def test_the_opposite_move_is_the_mirror_image_and_a_start_only_shifts(bounds, s
 def test_units_change_a_duration_by_no_more_than_a_grid_does(
     bounds, distance_unit, time_unit, sign
 ):
-    """Nearly always by rounding; a digit that is rounded otherwise may lead to another grid."""
+    """Nearly always by rounding; a digit that is rounded otherwise may lead to another mesh."""
     scaled = [b and b * distance_unit / time_unit**k for k, b in enumerate(bounds, start=1)]
     here, there = optimal(sign, bounds), optimal(sign * distance_unit, scaled)
     assert_sound(there, sign * distance_unit, scaled)

@@ -33,7 +33,7 @@ def problem_of(bounds) -> HalfProblem:
     return HalfProblem.make(1.0, limits, closed_form(limits), relaxed=True)
 
 
-def grid(seed: int, cells: int):
+def mesh(seed: int, cells: int):
     lengths = np.random.default_rng(seed).uniform(0.2, 1.0, cells)
     nodes = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
     nodes[-1] = 1.0
@@ -106,7 +106,7 @@ def test_the_multipliers_are_worth_the_optimum(bounds, seed, cells, parts, half)
     With cells in parts they are worth less where densities of both signs meet, yet no less than
     what a motion within the bounds reaches.
     """
-    problem, nodes = problem_of(bounds), grid(seed, cells)
+    problem, nodes = problem_of(bounds), mesh(seed, cells)
     found = RelaxedProgram(problem, nodes, parts).solve(half)
     assert found is not None
     coefficients, _ = found.costates()
@@ -124,7 +124,7 @@ def test_the_multipliers_are_worth_the_optimum(bounds, seed, cells, parts, half)
 @FEW
 @given(bounds=bound_lists(4, 6), seed=SEEDS, parts=st.integers(1, 3), half=HALVES)
 def test_multipliers_stand_where_the_grid_says(bounds, seed, parts, half):
-    problem, nodes = problem_of(bounds), grid(seed, 15)
+    problem, nodes = problem_of(bounds), mesh(seed, 15)
     found = RelaxedProgram(problem, nodes, parts).solve(half)
     assert found is not None
     n = problem.order
@@ -145,7 +145,7 @@ def test_multipliers_stand_where_the_grid_says(bounds, seed, parts, half):
 @FEW
 @given(bounds=bound_lists(4, 6), seed=SEEDS, parts=st.integers(1, 3), half=HALVES)
 def test_no_motion_within_the_bounds_gets_further_than_is_proven(bounds, seed, parts, half):
-    problem, nodes = problem_of(bounds), grid(seed, 15)
+    problem, nodes = problem_of(bounds), mesh(seed, 15)
     found = RelaxedProgram(problem, nodes, parts).solve(half)
     motion = HalfProgram(problem, nodes).solve(half)
     assert found is not None
@@ -158,7 +158,7 @@ def test_no_motion_within_the_bounds_gets_further_than_is_proven(bounds, seed, p
 @FEW
 @given(bounds=bound_lists(4, 6), halves=st.tuples(HALVES, HALVES), seed=SEEDS)
 def test_a_proof_for_one_time_holds_for_another(bounds, halves, seed):
-    problem, nodes = problem_of(bounds), grid(seed, 15)
+    problem, nodes = problem_of(bounds), mesh(seed, 15)
     program = RelaxedProgram(problem, nodes, 2)
     here = program.solve(halves[0])
     motion = HalfProgram(problem, nodes).solve(halves[1])
@@ -185,7 +185,7 @@ def test_motion_and_proof_meet_as_the_grid_gets_finer(seed):
 
 @pytest.mark.parametrize("order", [4, 5, 6])
 def test_the_perfect_spline_is_proven_on_an_even_grid(order):
-    """Its costate has no measures: any grid with nodes near its roots proves it nearly."""
+    """Its costate has no measures: any mesh with nodes near its roots proves it nearly."""
     spline = perfect_spline(1.0, order, 3.0)
     problem = problem_of([*[None] * (order - 1), 3.0])
     nodes = np.union1d(np.linspace(0.0, 1.0, 41), 2.0 * spline.breaks / spline.duration)
@@ -200,7 +200,7 @@ def test_the_perfect_spline_is_proven_on_an_even_grid(order):
 def test_a_direction_without_a_bound_has_no_multiplier(parts):
     pairs = [(-inf, 1.4), 8.0, (-40.0, inf), 900.0]
     problem = problem_of(pairs)
-    found = RelaxedProgram(problem, grid(3, 20), parts).solve(1.0)
+    found = RelaxedProgram(problem, mesh(3, 20), parts).solve(1.0)
     assert found is not None
     positive, negative = found.masses()
     assert positive[1] > 0.0
@@ -213,7 +213,7 @@ def test_a_direction_without_a_bound_has_no_multiplier(parts):
 @FEW
 @given(bounds=bound_lists(4, 6), seed=SEEDS, parts=st.integers(1, 3))
 def test_no_multipliers_stand_at_nodes_that_are_left_out(bounds, seed, parts):
-    problem, nodes = problem_of(bounds), grid(seed, 12)
+    problem, nodes = problem_of(bounds), mesh(seed, 12)
     near = np.random.default_rng(seed).random((problem.order, len(nodes))) < 0.5
     found = RelaxedProgram(problem, nodes, parts, near).solve(1.0)
     every = RelaxedProgram(problem, nodes, parts).solve(1.0)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf, nan, sqrt
+from sys import float_info
 
 import numpy as np
 import pytest
@@ -349,3 +350,44 @@ def test_what_is_appended_has_rates_of_its_own_if_it_is_given_some():
     assert both.end_state[:2].tolist() == [15.0, 0.5]
     with pytest.raises(ValueError, match=r"final_velocity = 2.0: expected at most the velocity"):
         first.append(5.0, velocity=1.0, final_velocity=2.0)
+
+
+HUGE = 1e200, 1e300, float_info.max
+START = (0.5, -0.3, 0.2)
+
+
+@pytest.mark.parametrize("huge", HUGE)
+@pytest.mark.parametrize("target", [3.0, -2.0, 1e-5])
+@pytest.mark.parametrize("name", ["acceleration", "deceleration"])
+def test_a_huge_rate_is_none(name, target, huge):
+    rates = {"velocity": 2.0, "acceleration": 3.0, "deceleration": 1.5, "acceleration_jerk": 8.0}
+    rates["deceleration_jerk"] = 5.0
+    given = s_curve_move(target, start=START, **{**rates, name: huge})
+    large = s_curve_move(target, start=START, **{**rates, name: 1e6})
+    assert given.duration == pytest.approx(large.duration, rel=1e-12)
+
+
+@pytest.mark.parametrize("huge", HUGE)
+def test_two_huge_rates_are_alike(huge):
+    """Without a bound either way there is nothing for which to stop before turning round."""
+    start = (1.0, -6.5, 0.0)
+    jerk = {"velocity": 4.0, "acceleration_jerk": 87.0}
+    move = s_curve_move(0.0, start=start, final_velocity=3.5, acceleration=1e250,
+                        deceleration=huge, **jerk)  # fmt: skip
+    limits = Limits(velocity=4.0, jerk=87.0)
+    assert move.duration == min_time_transfer(start, (0.0, 3.5), limits).duration
+
+
+@pytest.mark.parametrize("percent", [0.2, 1.0])
+def test_by_percent_a_huge_acceleration_leaves_the_cruise(percent):
+    move = s_curve_move(3.0, velocity=2.0, acceleration=1e300, deceleration=1.5,
+                        jerk_percent=percent)  # fmt: skip
+    assert move.duration == pytest.approx(3.0 / 2.0 + 2.0 / 1.5 / 2.0, rel=1e-14)
+
+
+def test_a_short_way_at_speed_is_gone_to_its_end():
+    """The peak is above the final velocity by less than its own digits tell."""
+    move = s_curve_move(1.25e-5, final_velocity=0.35, velocity=9.0, acceleration=1e250,
+                        acceleration_jerk=1e200, deceleration_jerk=0.5)  # fmt: skip
+    h, (x, v, a, j) = move.durations[-2], move.states[-2]
+    assert move.states[-1][0] == pytest.approx(x + h * (v + h * (a / 2 + h * j / 6)), rel=1e-13)

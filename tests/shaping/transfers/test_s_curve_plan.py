@@ -20,7 +20,8 @@ from scipy.optimize import brentq
 
 from jounce.shaping import min_time_transfer
 from jounce.shaping.limits import Limits
-from jounce.shaping.transfers.s_curve_plan import Rates, plan_move, stopping_place
+from jounce.shaping.transfers.s_curve_plan import plan_move, stopping_place
+from jounce.shaping.transfers.s_curve_rates import Rates
 
 SEEDS = range(100)
 ROUND = pytest.mark.parametrize("round_numbers", [False, True], ids=["generic", "round"])
@@ -147,7 +148,10 @@ def test_the_opposite_plan_is_the_mirror_image(round_numbers):
         assert opposite == problem.planned(), problem
 
 
-@pytest.mark.parametrize(("distance", "time"), [(-30, 0), (53, 0), (0, 40), (7, -31), (-20, 11)])
+@pytest.mark.parametrize(
+    ("distance", "time"),
+    [(-30, 0), (53, 0), (0, 40), (7, -31), (-20, 11), (-700, 0), (700, 0), (-950, 0), (0, -300)],
+)
 def test_units_of_powers_of_two_do_not_matter_to_the_last_bit(distance, time):
     for seed in range(40):
         problem = random_s_curve(np.random.default_rng((5, seed)))

@@ -1,0 +1,47 @@
+"""When a response has settled."""
+
+from math import inf, log, nan, pi
+
+import numpy as np
+import pytest
+
+from jounce.plant import (
+    LoopResponse,
+)
+
+
+def curve(position, t):
+    outputs = np.array([position, -position, 0.0 * position])
+    return LoopResponse(t, np.zeros((3, t.size)), outputs, np.zeros((3, t.size)))
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.01])
+@pytest.mark.parametrize("start", [0.0, -4.0, 30.0])
+@pytest.mark.parametrize("tolerance", [0.5, 0.1, 1e-3])
+def test_settling_of_an_exponential_is_its_logarithm(dt, start, tolerance):
+    t = np.arange(0.0, 12.0, dt)
+    response = curve(2.0 - np.exp(-t), start + t)
+    assert response.settling_time(2.0, tolerance) == pytest.approx(
+        -log(tolerance), abs=dt**2 / 8 + 1e-12
+    )
+
+
+def test_settling_counts_the_last_time_outside():
+    t = np.linspace(0.0, 10.0, 100_001)
+    response = curve(np.exp(-t) * np.cos(4 * pi * t), t)
+    late = t[np.abs(np.exp(-t) * np.cos(4 * pi * t)) > 0.1][-1]
+    assert response.settling_time(0.0, 0.1) == pytest.approx(late, abs=1.1e-4)
+
+
+def test_settling_takes_no_time_or_for_ever():
+    t = np.linspace(0.0, 1.0, 11)
+    assert curve(np.full(11, 1.05), t).settling_time(1.0, 0.1) == 0.0
+    assert curve(t, t).settling_time(0.0, 0.5) == inf
+    assert curve(t, t).settling_time(1.0, 0.25) == pytest.approx(0.75)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, nan, inf])
+def test_a_settling_tolerance_that_is_not_positive_is_refused(tolerance):
+    t = np.linspace(0.0, 1.0, 11)
+    with pytest.raises(ValueError, match=f"tolerance = {tolerance!r}: expected a positive"):
+        curve(t, t).settling_time(0.0, tolerance)
