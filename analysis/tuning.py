@@ -11,7 +11,7 @@ import numpy as np
 
 from ..plant import PID, Controller
 from ..plant.frequency_points import frequency_points
-from ..plant.open_gains import OpenGains
+from ..plant.open_gains import OpenGains, pure_delay
 from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
@@ -133,7 +133,7 @@ def tune_pid(
         sample_time=sample_time,
         delay=delay if digital else 0.0,
     )
-    loop = OpenGains(plant, controller, 0.0 if digital else delay)
+    loop = OpenGains(plant, controller, 0.0 if digital else pure_delay(delay))
     omega = frequency_points(loop.system(np.ones(3)), loop.delay)
     gains = _start(loop, omega, around)
     return _tuned(loop, omega, gains, around)
@@ -157,10 +157,10 @@ def _start(loop: OpenGains, omega: Real, around: tuple[Circle, ...]) -> Real:
     """Return gains that keep the bounds, of a stable loop: the largest ki that is tried."""
     terms = loop.terms(omega)
     double = abs(terms[:, 2]) * omega  # |k|·ω² of G = 1/(J·s²): constant over ω
-    tried = []
+    tried: list[tuple[float, Real]] = []
     for center, weight in zip(omega[::10], double[::10], strict=True):
         for p, i in _SHAPES:
-            gains = np.array([p * center, i * center**2, 1.0]) * center / weight
+            gains: Real = np.array([p * center, i * center**2, 1.0]) * center / weight
             tried.append((clearance(terms @ gains, around), gains))
     kept = sorted((found for found in tried if found[0] >= 0.0), key=lambda f: -f[1][1])
     for _, gains in kept:
@@ -221,7 +221,7 @@ def _passed(margins: LoopMargins, around: tuple[Circle, ...]) -> list[float]:
 
 def _beside(place: float) -> Real:
     """Return places around a peak, as far as the next points of a grid and then some."""
-    return np.concatenate([place * (1.0 + width * _AROUND) for width in (0.03, 1e-4)])
+    return np.asarray(place * (1.0 + np.concatenate([0.03 * _AROUND, 1e-4 * _AROUND])))
 
 
 def _back_inside(terms: Complex, before: Real, after: Real, around: tuple[Circle, ...]) -> Real:

@@ -1,6 +1,7 @@
 """The core in C99, what is simulated and what is shipped: evaluation and planning of motions."""
 
 from .binding import (
+    CHATTER,
     FMI2_MARK,
     NO_DURATION,
     OK,
@@ -17,6 +18,7 @@ from .binding import (
     move_durations,
     move_pieces,
     possible_durations,
+    run_loop,
     together,
     transfer,
     transfer_lasting,
@@ -26,6 +28,7 @@ from .binding import (
 )
 
 __all__ = [
+    "CHATTER",
     "FMI2_MARK",
     "NO_DURATION",
     "OK",
@@ -42,6 +45,7 @@ __all__ = [
     "move_durations",
     "move_pieces",
     "possible_durations",
+    "run_loop",
     "together",
     "transfer",
     "transfer_lasting",

@@ -7,6 +7,7 @@
  */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "binding_fmi2.h"
@@ -1696,6 +1697,221 @@ static PyType_Spec follower_spec = {
     .slots = follower_slots,
 };
 
+/* --- servo loops (loop.c) ------------------------------------------------------------------------ */
+
+enum { LOOP_NUMBERS = 14, CONTROLLER_NUMBERS = 16, LOOP_ARRAYS = 18, MOST_SEGMENTS = 50000000 };
+
+/* What run_loop is given, as the core takes it. */
+typedef struct {
+    jounce_automaton automaton;
+    jounce_controller controller;
+    jounce_loop loop;
+    double steps[2];
+    int mode;
+} Loop;
+
+static void read_numbers(Loop *l, const double *x) {
+    jounce_automaton *a = &l->automaton;
+    a->states = (int)x[0];
+    a->moving = (int)x[1];
+    a->modes = (int)x[2];
+    a->guards = (int)x[3];
+    l->steps[0] = x[4];
+    l->steps[1] = x[5];
+    l->mode = (int)x[6];
+    l->loop.duration = x[7];
+    l->loop.delay = x[8];
+    l->loop.samples = (int)x[9];
+    l->loop.held = (int)x[10];
+    l->loop.settings = (int)x[11];
+    l->loop.place = (int)x[12];
+    l->loop.width = (int)x[13];
+}
+
+static void read_controller(jounce_controller *c, const double *x) {
+    c->law = (int)x[0];
+    c->anti_windup = (int)x[1];
+    c->sections = (int)x[2];
+    c->order = (int)x[3];
+    c->dt = x[4];
+    c->kp = x[5];
+    c->ki = x[6];
+    c->kr = x[7];
+    c->rate_filter = x[8];
+    c->position_gain = x[9];
+    c->velocity_feedforward = x[10];
+    c->friction = x[11];
+    c->limit = x[12];
+    c->tracking_time = x[13];
+    c->integral_limit = x[14];
+    c->encoder_step = x[15];
+}
+
+/* Sizes that the arrays are measured by; 0 with ValueError for others. */
+static int loop_makes_sense(const Loop *l) {
+    const jounce_automaton *a = &l->automaton;
+    const jounce_loop *o = &l->loop;
+    int good = a->moving > 0 && a->moving <= a->states && a->modes > 0 && a->guards >= 0 &&
+               a->states < 1000 && a->modes < 1000 && a->guards < 100 && l->steps[1] > 0.0 &&
+               l->steps[0] >= l->steps[1] && l->mode >= 0 && l->mode < a->modes &&
+               o->samples >= 0 && o->settings >= 0 && o->width >= 0 && o->place >= 0 &&
+               o->place + o->width <= a->states && o->held >= 0 && o->held < a->states &&
+               l->controller.sections >= 0 && l->controller.order >= 1 && l->controller.dt > 0.0;
+    if (!good) {
+        PyErr_SetString(PyExc_ValueError, "numbers of a loop that fit no arrays");
+    }
+    return good;
+}
+
+/* Look into the arrays: rates, rows, next, onto, along, z, position, motor, section, gains of
+ * position and torque, commands, ahead, noise, times, values, state and out. */
+static int look_into_loop(PyObject *const *args, const Loop *l, Py_buffer *views) {
+    const jounce_automaton *a = &l->automaton;
+    Py_ssize_t n = a->states, modes = a->modes, samples = l->loop.samples;
+    Py_ssize_t width = l->controller.order + 1, sections = l->controller.sections;
+    const Wanted wanted[LOOP_ARRAYS] = {
+        doubles(args[0], modes * a->moving * n),
+        doubles(args[1], modes * a->guards * n),
+        doubles(args[2], modes * a->guards),
+        doubles(args[3], modes * n),
+        doubles(args[4], modes * n),
+        room(args[5], n),
+        doubles(args[6], n),
+        doubles(args[7], n),
+        doubles(args[8], 5 * sections),
+        doubles(args[9], width),
+        doubles(args[10], width),
+        doubles(args[11], samples * width),
+        doubles(args[12], samples * width),
+        doubles_for_all(args[13], 0, samples),
+        doubles(args[14], l->loop.settings),
+        doubles(args[15], l->loop.settings * (Py_ssize_t)l->loop.width),
+        room(args[16], JOUNCE_CONTROLLER_STATE(sections)),
+        room(args[17], 3 * samples),
+    };
+    Wanted all[LOOP_ARRAYS];
+    memcpy(all, wanted, sizeof wanted);
+    all[13].or_count = samples;
+    return look_into(all, LOOP_ARRAYS, views);
+}
+
+static void point_into(Loop *l, const Py_buffer *views) {
+    l->automaton.rates = views[0].buf;
+    l->automaton.rows = views[1].buf;
+    l->automaton.next = views[2].buf;
+    l->automaton.onto = views[3].buf;
+    l->automaton.along = views[4].buf;
+    l->loop.controller = l->loop.samples > 0 ? &l->controller : NULL;
+    l->loop.position = views[6].buf;
+    l->loop.motor = views[7].buf;
+    l->controller.section = views[8].buf;
+    l->controller.position = views[9].buf;
+    l->controller.torque = views[10].buf;
+    l->loop.commands = views[11].buf;
+    l->loop.ahead = views[12].buf;
+    l->loop.noise = views[13].len > 0 ? views[13].buf : NULL;
+    l->loop.times = views[14].buf;
+    l->loop.values = views[15].buf;
+}
+
+/* Run with more and more room for segments; the caller frees run->segments and run->work. */
+static jounce_status run_with_room(const Loop *l, jounce_run *run, const Py_buffer *views) {
+    const jounce_automaton *a = &l->automaton;
+    size_t n = (size_t)a->states, width = n + 2, kept = (size_t)views[16].len;
+    double *start = malloc(n * sizeof(double) + kept);
+    size_t work = (size_t)JOUNCE_AUTOMATON_WORK(a->states, a->moving, a->modes, a->guards);
+    jounce_status status = JOUNCE_RANGE;
+    run->work = malloc(work * sizeof(double));
+    if (run->work != NULL && start != NULL) {
+        memcpy(start, run->z, n * sizeof(double));
+        memcpy(start + n, views[16].buf, kept);
+        jounce_prepare(run);
+        do {
+            free(run->segments);
+            run->segments = malloc(run->room * width * sizeof(double));
+            if (run->segments == NULL) {
+                break;
+            }
+            memcpy(run->z, start, n * sizeof(double));
+            memcpy(views[16].buf, start + n, kept);
+            run->mode = l->mode;
+            run->count = 0;
+            status = jounce_run_loop(&l->loop, run, views[16].buf, views[17].buf);
+            run->room *= 2;
+        } while (status == JOUNCE_FULL && run->room < MOST_SEGMENTS);
+    }
+    free(start);
+    return status;
+}
+
+static size_t room_for(const Loop *l) {
+    double steps = l->loop.duration / l->steps[1];
+    double wanted = 1024.0 + 1.1 * (steps < 1e6 ? steps : 1e6) + 2.0 * l->loop.settings +
+                    2.0 * l->loop.samples;
+    return (size_t)wanted;
+}
+
+/* An array (count, width) of what a run has put down. */
+static PyObject *segments_of(State *state, const jounce_run *run, int width) {
+    PyObject *result, *shape = Py_BuildValue("(ni)", (Py_ssize_t)run->count, width);
+    Py_buffer view;
+    if (shape == NULL) {
+        return NULL;
+    }
+    result = PyObject_CallFunctionObjArgs(state->empty, shape, NULL);
+    Py_DECREF(shape);
+    if (result == NULL || !look(result, &view, WRITE)) {
+        Py_XDECREF(result);
+        return NULL;
+    }
+    memcpy(view.buf, run->segments, run->count * (size_t)width * sizeof(double));
+    PyBuffer_Release(&view);
+    return result;
+}
+
+static PyObject *run_loop(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    double numbers[LOOP_NUMBERS], controller[CONTROLLER_NUMBERS];
+    Py_buffer views[LOOP_ARRAYS];
+    PyObject *segments, *result = NULL;
+    jounce_run run;
+    jounce_status status;
+    Loop l;
+    if (!expect(given, 2 + LOOP_ARRAYS, "run_loop(numbers, controller, 18 arrays)")) {
+        return NULL;
+    }
+    memset(&l, 0, sizeof l);
+    memset(&run, 0, sizeof run);
+    if (plain_numbers(args[0], numbers, LOOP_NUMBERS) != LOOP_NUMBERS ||
+        plain_numbers(args[1], controller, CONTROLLER_NUMBERS) != CONTROLLER_NUMBERS) {
+        return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_ValueError, "too few numbers");
+    }
+    read_numbers(&l, numbers);
+    read_controller(&l.controller, controller);
+    if (!loop_makes_sense(&l) || !look_into_loop(args + 2, &l, views)) {
+        return NULL;
+    }
+    point_into(&l, views);
+    run.automaton = &l.automaton;
+    run.steps[0] = l.steps[0];
+    run.steps[1] = l.steps[1];
+    run.z = views[5].buf;
+    run.room = room_for(&l);
+    Py_BEGIN_ALLOW_THREADS
+    status = run_with_room(&l, &run, views);
+    Py_END_ALLOW_THREADS
+    segments = run.segments == NULL
+                   ? PyErr_NoMemory()
+                   : segments_of(PyModule_GetState(module), &run, l.automaton.states + 2);
+    if (segments != NULL) {
+        result = Py_BuildValue("(Oii)", segments, run.mode, (int)status);
+        Py_DECREF(segments);
+    }
+    free(run.segments);
+    free(run.work);
+    release(views, LOOP_ARRAYS);
+    return result;
+}
+
 /* --- messages of FMUs (binding_fmi2.c) ---------------------------------------------------------- */
 
 static PyObject *fmi2_logger(PyObject *module, PyObject *strays) {
@@ -1738,6 +1954,10 @@ static PyMethodDef functions[] = {
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
      "numbers of pieces (N,) int8 are put in place."},
+    {"run_loop", FAST(run_loop), METH_FASTCALL,
+     "run_loop(numbers, controller, *arrays)\n--\n\nRun a servo loop; return its segments (time, "
+     "mode and state in a row), the last mode and the status. The last state, the controller's and "
+     "(e, w, u) of the samples are put in place."},
     {"fmi2_logger", fmi2_logger, METH_O,
      "fmi2_logger(strays)\n--\n\nReturn the address of a logger for FMUs of FMI 2.0, which fills "
      "in the arguments of a message and calls note(status, category, text) of the environment "
@@ -1769,6 +1989,7 @@ static int add_constants(PyObject *module) {
            PyModule_AddIntConstant(module, "UNREACHABLE", JOUNCE_UNREACHABLE) == 0 &&
            PyModule_AddIntConstant(module, "NO_DURATION", JOUNCE_NO_DURATION) == 0 &&
            PyModule_AddIntConstant(module, "RANGE", JOUNCE_RANGE) == 0 &&
+           PyModule_AddIntConstant(module, "CHATTER", JOUNCE_CHATTER) == 0 &&
            PyModule_AddIntConstant(module, "FMI2_MARK", (long)JOUNCE_FMI2_MARK) == 0;
 }
 

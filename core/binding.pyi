@@ -13,6 +13,7 @@ OK: int
 UNREACHABLE: int
 NO_DURATION: int
 RANGE: int
+CHATTER: int
 FMI2_MARK: int
 
 @final
@@ -105,6 +106,9 @@ def transfer_pieces(
     end_states: FloatArray,
     /,
 ) -> None: ...
+def run_loop(
+    numbers: Numbers, controller: Numbers, /, *arrays: FloatArray
+) -> tuple[FloatArray, int, int]: ...
 def fmi2_logger(strays: int, /) -> int: ...
 def move_durations(
     order: int,

@@ -17,7 +17,9 @@ typedef enum {
     JOUNCE_OK = 0,
     JOUNCE_UNREACHABLE, /* no motion within the bounds leads to the end */
     JOUNCE_NO_DURATION, /* no motion within the bounds takes this long */
-    JOUNCE_RANGE        /* times or states leave the range of a double */
+    JOUNCE_RANGE,       /* times or states leave the range of a double */
+    JOUNCE_FULL,        /* no room for what comes out */
+    JOUNCE_CHATTER      /* modes change for ever at one instant */
 } jounce_status;
 
 /* Bounds low < 0 < high on velocity, acceleration and jerk. Infinity is no bound; without bounds
@@ -176,6 +178,94 @@ double jounce_pid_output(const jounce_pid *pid, double integral, double e, doubl
 
 /* The integral after this sample. */
 double jounce_pid_integral(const jounce_pid *pid, double integral, double e);
+
+/* The whole of a digital controller, run once a sample (controller.c):
+ *
+ *   e = sum of position[k] r^(k) - y;   PID: w = kp e + ki I + kr D, I += dt e,
+ *   D = (rate_filter D + e - e_before)/(rate_filter + dt);
+ *   cascade: w = kp x + ki I, I += dt x, x = position_gain e + velocity_feedforward r' - v,
+ *   v = (rate_filter v + y - y_before)/(rate_filter + dt);
+ *
+ * then the sections of its filters, sum of torque[k] r^(k) + friction sign(r'), the limit, and what
+ * keeps the integral from winding up. Positions are read in steps of the encoder, if it has any. */
+enum { JOUNCE_PID, JOUNCE_CASCADE };
+
+enum { JOUNCE_WINDS_UP, JOUNCE_CONDITIONAL, JOUNCE_BACK_CALCULATION, JOUNCE_CLAMP };
+
+typedef struct {
+    int law, anti_windup, sections, order;
+    double dt, kp, ki, kr, rate_filter;
+    double position_gain, velocity_feedforward;
+    double friction, limit, tracking_time, integral_limit, encoder_step;
+    const double *section;           /* b0, b1, b2, a1, a2 of each */
+    const double *position, *torque; /* gains of derivatives 0 ... order of the command, order >= 1 */
+} jounce_controller;
+
+/* Numbers in its state, all 0 before the first sample; the integral is number 1. */
+#define JOUNCE_CONTROLLER_STATE(sections) (4 + 2 * (sections))
+
+/* One sample: `position` and `motor` are what the error and the velocity are taken from, `command`
+ * the command with its derivatives, `ahead` the same a lead later, for the torque. `out` receives
+ * e, w and the torque u within the limit. */
+void jounce_controller_sample(const jounce_controller *controller, double *state, double position,
+                              double motor, const double *command, const double *ahead,
+                              double *out);
+
+/* --- piecewise linear systems, exact from event to event (automaton.c) ---------------------------- */
+
+/* z' = rates z in each mode, for as long as every guard's row z is positive; when it has fallen to 0
+ * the system is in another mode. On entering a mode z += onto (along z). */
+typedef struct {
+    int states, moving; /* n; only the first `moving` of them change, the others are held */
+    int modes, guards;
+    const double *rates;        /* modes x moving x n */
+    const double *rows;         /* modes x guards x n */
+    const double *next;         /* modes x guards: the mode beyond a guard, -1 for no guard */
+    const double *onto, *along; /* modes x n */
+} jounce_automaton;
+
+enum { JOUNCE_TERMS = 25 }; /* of a Taylor series; ||rates|| times a step is at most 2 */
+
+/* A run is prepared for steps of two lengths, the longer first; shorter ones are free. */
+#define JOUNCE_AUTOMATON_WORK(n, moving, modes, guards) \
+    ((modes) * (2 * (moving) * (n) + (guards) * (n) * (14 + JOUNCE_TERMS)) + \
+     (JOUNCE_TERMS + 2) * (n) + (moving) * (n) * 2 + 2 * JOUNCE_TERMS)
+
+/* A run of it: `segments` receives a row of time, mode and z at the start of every step. */
+typedef struct {
+    const jounce_automaton *automaton;
+    double steps[2];
+    double *work;
+    double *z;
+    int mode, at_once; /* at_once: changes of mode since time went on */
+    double *segments;
+    size_t count, room;
+} jounce_run;
+
+void jounce_prepare(jounce_run *run);
+
+/* Go on from time t for `span`. JOUNCE_FULL without room for segments, JOUNCE_CHATTER where modes
+ * change for ever at one instant. */
+jounce_status jounce_advance(jounce_run *run, double t, double span);
+
+/* --- a servo loop over time (loop.c) --------------------------------------------------------------- */
+
+/* A controller, or none, over an automaton; samples k = 0, 1, ... at k dt act `delay` later. At given
+ * times states from `place` on are set to new values, but where these are not numbers. */
+typedef struct {
+    const jounce_controller *controller;
+    double duration, delay;
+    int samples, held; /* how many samples; the place of the torque in z */
+    const double *position, *motor; /* rows over z of what is measured */
+    const double *commands, *ahead; /* samples x (order + 1) */
+    const double *noise;            /* added to what is measured, samples; or NULL */
+    int settings, place, width;
+    const double *times, *values; /* settings, settings x width */
+} jounce_loop;
+
+/* Run it from time 0: `state` is the controller's, `out` receives e, w and u of every sample. */
+jounce_status jounce_run_loop(const jounce_loop *loop, jounce_run *run, double *state,
+                              double *out);
 
 /* --- evaluation of pieces of any order (pieces.c, evaluation.c, many_times.c) ------------------ */
 

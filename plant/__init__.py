@@ -6,6 +6,7 @@ from .cascade import CascadedPI
 from .closed_systems import Sensitivity
 from .commands import Ramp, Sine
 from .controller import Controller, as_controller
+from .deviations import LoopDeviations
 from .disturbances import SampledTorque, TorqueSine, TorqueSteps, Wind
 from .exact_response import respond
 from .feedforward import Feedforward, InertiaFeedforward
@@ -15,10 +16,12 @@ from .flexible_mode import FlexibleMode
 from .friction import Friction
 from .inertia import Inertia
 from .inverse import inverse_feedforward, low_frequency_feedforward
+from .loop_response import LoopResponse
+from .many import respond_all
 from .pid import PID
 from .pid_design import design_pid
 from .sampled import zero_order_hold
-from .servo_loop import LoopResponse, ServoLoop
+from .servo_loop import ServoLoop
 from .shaper_systems import filter_system
 
 __all__ = [
@@ -35,6 +38,7 @@ __all__ = [
     "Inertia",
     "InertiaFeedforward",
     "LeadLag",
+    "LoopDeviations",
     "LoopResponse",
     "LowPass",
     "Notch",
@@ -54,6 +58,7 @@ __all__ = [
     "inverse_feedforward",
     "low_frequency_feedforward",
     "respond",
+    "respond_all",
     "system_axis",
     "zero_order_hold",
 ]

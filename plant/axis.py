@@ -172,22 +172,24 @@ class Axis(Frozen):
         return self.friction is not None or self.torque_limit < inf or self.encoder_step > 0.0
 
     def system(self) -> control.StateSpace:
-        """Return the linear part (u, d_motor, d_load) → (y, y_rate, y_load, y_motor, torque).
+        """Return the linear part as a python-control system.
 
+        From (u, d_motor, d_load) to (y, y_rate, y_load, twist, torque, y_motor):
         y is the measured position, y_rate the measured velocity (with two encoders the load's
-        position and the motor's velocity), torque that of the motor, behind the current loop.
-        Friction, limit and resolution are left out.
+        position and the motor's velocity), twist load less motor, torque that of the motor, behind
+        the current loop. Friction, limit and resolution are left out.
         """
         d = self.dynamics
         position = d.motor if self.sensor == "motor" else d.load
         rate = d.load_rate if self.sensor == "load" else d.motor_rate
-        feedthrough = np.zeros((5, 3))
+        rows = [position, rate, d.load, d.load - d.motor, d.torque[:-1], d.motor]
+        feedthrough = np.zeros((6, 3))
         feedthrough[4, 0] = d.torque[-1]
         return linear_system(
-            (d.a, d.b, [position, rate, d.load, d.motor, d.torque[:-1]], feedthrough),
+            (d.a, d.b, rows, feedthrough),
             0,
             inputs=["u", "d_motor", "d_load"],
-            outputs=["y", "y_rate", "y_load", "y_motor", "torque"],
+            outputs=["y", "y_rate", "y_load", "twist", "torque", "y_motor"],
             states=d.names,
             name="plant",
         )

@@ -42,7 +42,7 @@ def closed_system(axis: Axis, loop: OpenLoop) -> control.StateSpace:
     d = axis.dynamics
     position = d.motor if axis.sensor == "motor" else d.load
     shown = [_wide(position, n), loop.error[:n], loop.asked[:n]]
-    shown += [_wide(row, n) for row in (d.load, d.motor, d.torque[:-1])]
+    shown += [_wide(row, n) for row in (d.load, d.load - d.motor, d.torque[:-1])]
     direct = np.zeros((6, inputs))
     direct[1], direct[2] = loop.error[n:], loop.asked[n:]
     if d.torque[-1]:
@@ -51,7 +51,7 @@ def closed_system(axis: Axis, loop: OpenLoop) -> control.StateSpace:
         (a, fed, shown, direct),
         0,
         inputs=[_signal(k) for k in range(inputs)],
-        outputs=["y", "e", "u", "y_load", "y_motor", "torque"],
+        outputs=["y", "e", "u", "y_load", "twist", "torque"],
         states=[*d.names, *(f"controller_{i}" for i in range(n - d.size))],
         name="servo_loop",
     )

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _PER_DECADE = 120
 _BEYOND = 1e3
+_FARTHEST = 1e6
 _LIGHT = 0.3  # damping ratio below which a root makes a resonance of its own
 _BESIDE = np.sinh(np.linspace(-6.0, 6.0, 61))
 
@@ -25,7 +26,9 @@ def frequency_points(
     Those of its poles and zeros and of the delay count; of a discrete loop they end at half the
     sampling frequency.
     """
-    roots = np.concatenate([system.poles(), system.zeros()])
+    poles, zeros = system.poles(), system.zeros()
+    farthest = _FARTHEST * abs(poles).max(initial=0.0) or np.inf
+    roots = np.concatenate([poles, zeros[abs(zeros) < farthest]])  # beyond, they are rounding
     if system.isdtime(strict=True):
         with np.errstate(divide="ignore"):
             roots = np.log(roots[roots != 0.0].astype(complex)) / system.dt

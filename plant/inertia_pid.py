@@ -36,8 +36,8 @@ def inertia_pid(
             f"{phase_margin_deg!r} deg: q = ω_c²·cos φ/g_m would reach ω_c²; ask for a positive "
             "lower gain margin"
         )
-    if factor > 1.0:
-        _check_other_crossovers(phase, factor, lower_gain_margin_db)
+    check_lower_gain_margin(factor, lower_gain_margin_db)
+    _check_other_crossovers(phase, factor, lower_gain_margin_db)
     try:
         kp = moment * omega**2 * cos(phase)
         kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
@@ -50,6 +50,15 @@ def inertia_pid(
             "range of a double: choose other units"
         )
     return PID(kp, ki, kr)
+
+
+def check_lower_gain_margin(factor: float, asked_db: float) -> None:
+    """Refuse a lower gain margin that would leave the loop unstable."""
+    if factor <= 1.0:
+        raise ValueError(
+            f"lower_gain_margin_db = {asked_db!r}: expected a positive number of dB, or the loop "
+            "would already be unstable"
+        )
 
 
 def _check_other_crossovers(phase: float, factor: float, asked_db: float) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..shaping.checks import finite
 from .controller import Controller
 from .pid import PID
 from .servo_loop import ServoLoop
@@ -60,3 +61,11 @@ class OpenGains:
         columns = [system(places) for system in self._of_one_gain]
         delayed = np.exp(-1j * omega * self.delay)[:, None]
         return np.asarray(np.stack(columns, axis=1) * delayed)
+
+
+def pure_delay(delay: float) -> float:
+    """Return the delay of a continuous loop; ValueError unless it is ≥ 0 and finite."""
+    number = finite("delay", delay)
+    if number < 0.0:
+        raise ValueError(f"delay = {delay!r}: expected a number of seconds, 0 or more")
+    return number

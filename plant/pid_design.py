@@ -12,8 +12,8 @@ from ..shaping.checks import finite, positive
 from .controller import Controller
 from .frequency_points import frequency_points
 from .inertia import Inertia
-from .inertia_pid import inertia_pid
-from .open_gains import OpenGains
+from .inertia_pid import check_lower_gain_margin, inertia_pid
+from .open_gains import OpenGains, pure_delay
 from .pid import PID
 from .pid_equations import Real, check_phase, gains_for
 from .stability import is_stable
@@ -100,12 +100,13 @@ def design_pid(
             f"phase_margin_deg = {phase_margin_deg!r}: expected an angle between 0 and 180 deg "
             "(both excluded)"
         )
+    check_lower_gain_margin(factor, float(lower_gain_margin_db))
     law = PID(1.0, 1.0, 1.0, derivative_filter=derivative_filter)
     digital = sample_time is not None
     controller = Controller(
         law, filters=filters, sample_time=sample_time, delay=delay if digital else 0.0
     )
-    loop = OpenGains(rigid or plant, controller, 0.0 if digital else finite("delay", delay))
+    loop = OpenGains(rigid or plant, controller, 0.0 if digital else pure_delay(delay))
     return _designed(loop, omega, phase_margin_deg, factor)
 
 
@@ -116,13 +117,8 @@ def _inertia(plant: Any) -> Inertia | None:
 
 def _factor(lower_gain_margin_db: float) -> float:
     asked = finite("lower_gain_margin_db", lower_gain_margin_db)
-    if asked > _MOST_DB:
+    if abs(asked) > _MOST_DB:
         raise ValueError(f"lower_gain_margin_db = {asked!r}: expected at most {_MOST_DB:g} dB")
-    if asked <= 0.0:
-        raise ValueError(
-            f"lower_gain_margin_db = {asked!r}: expected a positive number of dB, "
-            "or the loop would already be unstable"
-        )
     return float(10.0 ** (asked / 20.0))
 
 

@@ -181,10 +181,10 @@ def _held(plant: control.StateSpace, dt: float, whole: int, rest: float) -> tupl
         return slice(n + samples * k, n + (samples + 1) * k)
 
     with np.errstate(over="ignore", invalid="ignore"):
-        change, integral = _exponential(plant.A, dt - rest)
+        change, integral = exponential_less_one(plant.A, dt - rest)
         following[:n, inputs_before(whole)] = integral @ plant.B
         if rest:
-            first_change, first_integral = _exponential(plant.A, rest)
+            first_change, first_integral = exponential_less_one(plant.A, rest)
             gained = first_integral @ plant.B
             following[:n, inputs_before(whole + 1)] = gained + change @ gained
             change = first_change + change + change @ first_change
@@ -201,7 +201,7 @@ def _held(plant: control.StateSpace, dt: float, whole: int, rest: float) -> tupl
     )
 
 
-def _exponential(a: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
+def exponential_less_one(a: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
     """Return e^(A·t) − 1 and ∫_0^t e^(As) ds, by the Taylor series of a fraction of t, doubled.
 
     Both in one pass and without B, so that no unit of the inputs costs squarings.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.checks import finite, positive
@@ -14,7 +16,8 @@ from ..shaping.frozen import Frozen
 from ..shaping.jerk_filter import checked_filter
 from ..shaping.pieces import FloatArray
 from ..shaping.propagate import check_fed, product
-from ..shaping.trajectory import Motion, as_trajectory
+from ..shaping.real_numbers import real_array
+from ..shaping.trajectory import as_trajectory
 from .axis import Axis, as_axis
 from .closed_systems import (
     Sensitivity,
@@ -22,86 +25,24 @@ from .closed_systems import (
     continuous_functions,
     sampled_functions,
 )
+from .commands import as_command
 from .controller import Controller, as_controller
+from .deviations import LoopDeviations, loop_deviations
+from .disturbances import Wind, checked_disturbances
 from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
+from .layout import start_of
 from .linear_system import linear_system, static_gain
+from .loop_response import LoopResponse
 from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
+from .run import Scene, response_of
 from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
     import control
-
-
-@dataclass(frozen=True, eq=False)
-class LoopResponse(Frozen):
-    """Exact response of a servo loop on a uniform time grid; arrays (N,), time last.
-
-    Attributes
-    ----------
-    time : (N,) array
-    inputs : (3, N) array
-        Command r, its velocity and its acceleration, as the loop receives them.
-    outputs : (3, N) array, or (5, N) for a flexible plant
-        Position y, error e = r − y, torque u; the load's position and the twist.
-    states : (n, N) array
-        States of the closed loop, plant first, in the order of `ServoLoop.system`.
-    """
-
-    time: FloatArray
-    inputs: FloatArray
-    outputs: FloatArray
-    states: FloatArray
-
-    @property
-    def command(self) -> FloatArray:
-        """Command r as the loop receives it, behind any filter."""
-        return np.asarray(self.inputs[0])
-
-    @property
-    def position(self) -> FloatArray:
-        """Position y."""
-        return np.asarray(self.outputs[0])
-
-    @property
-    def error(self) -> FloatArray:
-        """Tracking error e = r − y."""
-        return np.asarray(self.outputs[1])
-
-    @property
-    def torque(self) -> FloatArray:
-        """Torque u."""
-        return np.asarray(self.outputs[2])
-
-    @property
-    def load(self) -> FloatArray:
-        """Position of the load; of a rigid axis, y."""
-        return np.asarray(self.outputs[3 if len(self.outputs) > 3 else 0])
-
-    @property
-    def twist(self) -> FloatArray:
-        """Twist between motor and load, load less motor; of a rigid axis, 0."""
-        return np.asarray(self.outputs[4]) if len(self.outputs) > 4 else np.zeros_like(self.time)
-
-    def settling_time(self, target: float, tolerance: float) -> float:
-        """Return the time, from the start, after which |y − target| stays within `tolerance`.
-
-        Infinite where the response ends outside it. Between samples the crossing is taken on
-        the straight line, so its error falls with dt².
-        """
-        excess = np.abs(self.position - finite("target", target)) - positive("tolerance", tolerance)
-        outside = np.flatnonzero(excess > 0.0)
-        if not outside.size:
-            return 0.0
-        k = int(outside[-1])
-        if k + 1 == excess.size:
-            return float("inf")
-        fraction = excess[k] / (excess[k] - excess[k + 1])
-        step = self.time[k + 1] - self.time[k]
-        return float(self.time[k] - self.time[0] + fraction * step)
 
 
 @dataclass(frozen=True)
@@ -135,10 +76,10 @@ class ServoLoop(Frozen):
         as_axis(self.plant)
         as_controller(self.controller)
         as_feedforward(self.feedforward)
-        if self._forward.lead and not self.is_digital:
+        if self.feedforward_noun.lead and not self.is_digital:
             raise ValueError(
-                f"lead = {self._forward.lead!r} in a continuous loop: a lead makes up for the "
-                "delay of a digital controller; leave it out"
+                f"lead = {self.feedforward_noun.lead!r} in a continuous loop: a lead makes up for "
+                "the delay of a digital controller; leave it out"
             )
 
     @cached_property
@@ -149,19 +90,22 @@ class ServoLoop(Frozen):
     @property
     def is_digital(self) -> bool:
         """Whether the controller runs once a sample."""
-        return self._control.sample_time is not None
+        return self.controller_noun.sample_time is not None
 
     @cached_property
-    def _control(self) -> Controller:
+    def controller_noun(self) -> Controller:
+        """The controller, a law alone made one."""
         return as_controller(self.controller)
 
     @cached_property
-    def _forward(self) -> Feedforward:
+    def feedforward_noun(self) -> Feedforward:
+        """The feedforward, none or an inertia's made one."""
         return as_feedforward(self.feedforward)
 
     @cached_property
-    def _open(self) -> OpenLoop:
-        return open_loop(self.axis, self._control, self._forward)
+    def open_loop(self) -> OpenLoop:
+        """Axis and continuous controller, the torque not yet connected."""
+        return open_loop(self.axis, self.controller_noun, self.feedforward_noun)
 
     @property
     def _is_ideal(self) -> bool:
@@ -182,11 +126,11 @@ class ServoLoop(Frozen):
         if self.axis.sensor == "both":
             return self._broken_at_torque()
         plant = self.plant if self._is_ideal else self.axis
-        return _named(plant.transfer() * self._control.transfer(), "e", "y", "loop")
+        return _named(plant.transfer() * self.controller_noun.transfer(), "e", "y", "loop")
 
     def _broken_at_torque(self) -> control.StateSpace:
         """Return the continuous loop from u to −u_feedback."""
-        o = self._open
+        o = self.open_loop
         n = len(o.a)
         return linear_system(
             (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
@@ -269,10 +213,12 @@ class ServoLoop(Frozen):
             if dt is not None or delay is not None:
                 raise ValueError(
                     f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
-                    f"sample_time = {self._control.sample_time!r} and delay = "
-                    f"{self._control.delay!r}; leave them out, or replace(controller, …)"
+                    f"sample_time = {self.controller_noun.sample_time!r} and delay = "
+                    f"{self.controller_noun.delay!r}; leave them out, or replace(controller, …)"
                 )
-            return loop_behind(self._held_plant(), self._control.sampled(), self._control.delay)
+            return loop_behind(
+                self._held_plant(), self.controller_noun.sampled(), self.controller_noun.delay
+            )
         if dt is None:
             raise ValueError("a continuous controller has no samples: give dt = …")
         if not isinstance(self.controller, PID):
@@ -304,7 +250,7 @@ class ServoLoop(Frozen):
 
         There PS is the response to a torque that is held from sample to sample.
         """
-        axis, controller = self.axis, self._control
+        axis, controller = self.axis, self.controller_noun
         if controller.sample_time is None:
             if axis.sensor == "both":
                 raise ValueError(
@@ -321,7 +267,7 @@ class ServoLoop(Frozen):
         import control
 
         if not self._is_ideal:
-            return closed_system(self.axis, self._open)
+            return closed_system(self.axis, self.open_loop)
         plant = self.plant.system()
         outputs = ["y", "e", "u", *plant.output_labels[2:]]
         return control.interconnect(
@@ -344,7 +290,7 @@ class ServoLoop(Frozen):
         """Return the interconnected loop (r, r_rate, r_acceleration) → (y, e, u).
 
         With a `FlexibleInertia` the outputs go on with y_load and twist. Of an `Axis` they are y,
-        e, u, y_load, y_motor and torque, and the inputs go up to the derivative that controller
+        e, u, y_load, twist and torque, and the inputs go up to the derivative that controller
         and feedforward take: r, r_rate, r_acceleration, r_jerk, …
 
         The ideal PID needs the command's velocity and the feedforward its acceleration; both
@@ -359,26 +305,38 @@ class ServoLoop(Frozen):
 
     def respond(
         self,
-        trajectory: Motion,
-        dt: float,
+        command: Any,
+        dt: float | None = None,
         *,
         duration: float | None = None,
+        disturbance: Any = None,
         jerk_filter: JerkFilter | None = None,
+        times: ArrayLike | None = None,
+        start: float | None = None,
+        noise: ArrayLike | None = None,
     ) -> LoopResponse:
-        """Return the loop's exact response to a trajectory, its acceleration fed forward.
+        """Return the loop's exact response to a command, its derivatives fed forward.
 
         Parameters
         ----------
-        trajectory : Trajectory
-            Of order 2 or more, or of any order behind a jerk filter that is high enough. The
-            loop starts at rest at the trajectory's start.
-        dt : float
-            Spacing of the time grid; its choice does not change the values.
+        command : Trajectory, Transfer, Ramp, Sine or a sum of them
+            A continuous loop needs the derivatives that controller and feedforward take: a
+            trajectory of their order or more, or of any order behind a jerk filter that is high
+            enough. The loop starts at rest at the command's start.
+        dt : float, optional
+            Spacing of the time grid; its choice does not change the values. Left out with `times`.
         duration : float, optional
             Length of the grid, which ends at the last multiple of dt within it. Default: the
-            trajectory's duration.
+            trajectory's duration; a command that never ends needs it.
+        disturbance : TorqueSteps, SampledTorque, TorqueSine or a list of them, optional
         jerk_filter : JerkFilter, optional
-            Put between the trajectory and the loop.
+            Put between the trajectory and a continuous loop without disturbance, limit or friction.
+        times : (N,) array, optional
+            Increasing times instead of the grid, none before the start.
+        start : float, optional
+            Measured position at the start. Default: where the command starts.
+        noise : array, optional
+            Added to the measured position, one value a sample of a digital controller.
 
         Returns
         -------
@@ -387,15 +345,118 @@ class ServoLoop(Frozen):
         Raises
         ------
         ValueError
-            For a trajectory of order 1 (its acceleration is a train of impulses: bound the
-            acceleration), or a dt or duration that is not positive.
+            For a trajectory of too low an order (a derivative is then a train of impulses), a
+            dt or duration that is not positive, or a loop that is unstable.
         """
-        trajectory = as_trajectory(trajectory)
+        given = as_command(command)
+        exact = isinstance(given, Trajectory) and not (
+            self.is_digital or self.axis.friction or self.axis.torque_limit < inf
+        )
+        plain = exact and disturbance is None and times is None and start is None
+        if plain and not (self.axis.spring or self.axis.constant_load):
+            return self._respond_exactly(given, dt, duration, jerk_filter)  # type: ignore[arg-type]
+        if jerk_filter is not None:
+            raise ValueError(
+                "a jerk filter in front of a loop that is digital, disturbed or nonlinear: shape "
+                "the command by limits instead, or leave the filter out"
+            )
+        self._check_fed(given)
+        scene = self._scene(given, duration, disturbance, start, noise, times)
+        return response_of(scene, dt, times)
+
+    def deviations(self, wind: Wind | None = None, *, encoder_noise: float = 0.0) -> LoopDeviations:
+        """Return the standard deviations of the linear loop in wind and noise, the command still.
+
+        By the covariance at the samples (Lyapunov's equation, the wind's noise gathered over hold
+        and delay), or of a spectrum that is no rational function by the integral over frequency,
+        what is above the Nyquist frequency included. Friction, limit and resolution are left out;
+        the encoder's step q is fairly white noise of q/√12 where the axis moves by more in a
+        sample.
+
+        Parameters
+        ----------
+        wind : Wind, optional
+        encoder_noise : float, optional
+            Standard deviation of independent errors of each sample.
+
+        Returns
+        -------
+        LoopDeviations
+
+        Raises
+        ------
+        ValueError
+            For an unstable loop, or encoder noise in a loop without samples.
+        """
+        if encoder_noise and not self.is_digital:
+            raise ValueError(
+                f"encoder_noise = {encoder_noise!r} in a continuous loop: noise comes with each "
+                "sample; give the controller a sample_time"
+            )
+        return loop_deviations(self, wind, finite("encoder_noise", encoder_noise))
+
+    def _check_fed(self, command: Any) -> None:
+        if isinstance(command, Trajectory):
+            highest = self.feedforward_noun.order
+            if not self.is_digital:
+                highest = max(highest, self.open_loop.fed.shape[1] - 1)
+            check_fed(command, range(highest + 1))
+
+    def _scene(
+        self,
+        command: Any,
+        duration: float | None,
+        disturbance: Any,
+        start: float | None,
+        noise: ArrayLike | None,
+        times: ArrayLike | None,
+    ) -> Scene:
+        begin, where = start_of(command)
+        if duration is None and times is not None:
+            duration = float(real_array("times", times)[-1]) - begin
+        if duration is None and not isinstance(command, Trajectory):
+            raise ValueError("a command that never ends: give duration=…")
+        length = command.duration if duration is None else positive("duration", duration)
+        measured = None if noise is None else real_array("noise", noise)
+        scene = Scene(
+            self.axis,
+            self.controller_noun,
+            self.feedforward_noun,
+            command,
+            where if start is None else finite("start", start),
+            begin,
+            length,
+            checked_disturbances(disturbance),
+            measured,
+        )
+        if measured is not None and measured.shape != (scene.sample_count or -1,):
+            raise ValueError(
+                f"noise of shape {measured.shape}: expected one value a sample, "
+                f"{scene.sample_count} of them; a continuous controller takes none"
+            )
+        return scene
+
+    def _respond_exactly(
+        self,
+        trajectory: Trajectory,
+        dt: float | None,
+        duration: float | None,
+        jerk_filter: JerkFilter | None,
+    ) -> LoopResponse:
+        """Return the response of a linear, continuous loop on a grid, by powers of a matrix."""
+        if dt is None:
+            raise ValueError("dt is missing: give the spacing of the time grid, or times=…")
+        fed = self.system().ninputs
         if jerk_filter is None:
-            check_fed(trajectory, (0, 1, 2))
-        start = float(trajectory.start_state[0])
+            check_fed(as_trajectory(trajectory), range(fed))
+        elif fed > 3:
+            raise ValueError(
+                "a jerk filter gives position, velocity and acceleration: leave out the filter, or "
+                "the feedforward of higher derivatives"
+            )
+        start = float(as_trajectory(trajectory).start_state[0])
         moved = trajectory.shift(-start)
-        system, fed, initial, behind = self.system(), 3, np.zeros(self.system().nstates), None
+        system, initial, behind = self.system(), np.zeros(self.system().nstates), None
         if jerk_filter is not None:
             behind = _filter_outputs(checked_filter(jerk_filter), moved)
             system, fed, initial = _behind_filter(system, jerk_filter, moved, behind)
@@ -405,9 +466,14 @@ class ServoLoop(Frozen):
         if behind is not None:
             inputs = product(behind, states[: behind.shape[1]], np.empty((3, time.size)))
             states = states[behind.shape[1] :]
+        if self.feedforward_noun.position:
+            outputs[1] = inputs[0] - outputs[0]
         for row in (outputs[0], states[0], inputs[0], *outputs[3:4]):
             row += start
-        return LoopResponse(time, inputs, outputs, states)
+        scene = None
+        if behind is None:
+            scene = self._scene(trajectory, duration, None, None, None, None)
+        return LoopResponse(time, inputs, outputs, states, scene=scene)
 
 
 def _sum(signs: list[float], parts: list[str], whole: str) -> control.StateSpace:

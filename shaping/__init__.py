@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .batches.moves import min_time_moves
     from .batches.transfers import min_time_transfers
     from .followers import CommandFollower, FollowerResponse
+    from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
     from .transfers.infeasible import InfeasibleError
@@ -31,11 +32,13 @@ _LATER = {
     "CommandFollower": "followers",
     "FollowerResponse": "followers",
     "InfeasibleError": "transfers.infeasible",
+    "InputShaper": "input_shapers",
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
     "Transfer": "transfers.problem",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
+    "input_shaper": "input_shapers",
     "min_time_moves": "batches.moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "batches.transfers",
@@ -50,6 +53,7 @@ __all__ = [
     "FilterResponse",
     "FollowerResponse",
     "InfeasibleError",
+    "InputShaper",
     "JerkFilter",
     "Limits",
     "MotionBatch",
@@ -59,6 +63,7 @@ __all__ = [
     "binding_limits",
     "bound_for_rise_time",
     "certify",
+    "input_shaper",
     "min_jerk_move",
     "min_time_move",
     "min_time_moves",

@@ -211,6 +211,14 @@ class Trajectory(PiecewisePolynomial):
             min(first.coasting, second.coasting),
         )
 
+    def __add__(self, other: Trajectory) -> Trajectory:
+        """Return the sum of two motions, as functions of time; each coasts outside its own."""
+        from .sums import weighted_sum
+
+        if not isinstance(other, Trajectory):
+            return NotImplemented
+        return weighted_sum((self, other), (1.0, 1.0))
+
     def plot(
         self,
         limits: Limits | None = None,

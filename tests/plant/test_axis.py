@@ -45,7 +45,8 @@ def test_free_modes_are_the_modal_sum(s):
         assert axis.system()(s)[0, 0] == pytest.approx(lagged, rel=1e-12)
         assert axis.system()(s)[1, 0] == pytest.approx(s * lagged, rel=1e-12)
         assert axis.transfer()(s) == pytest.approx(lagged, rel=1e-10)
-    assert axis.system()(s)[2:4, 0] == pytest.approx([load / (1 + 1e-3 * s), lagged * motor / load])
+    assert axis.system()(s)[2, 0] == pytest.approx(load / (1 + 1e-3 * s))
+    assert axis.system()(s)[5, 0] == pytest.approx(motor / (1 + 1e-3 * s))
 
 
 @pytest.mark.parametrize("s", POINTS)
@@ -73,7 +74,7 @@ def test_a_chain_is_its_impedance_matrix(s):
     pushed = np.linalg.solve(matrix, [0.0, 0.0, 1.0])
     axis = chain_axis(m, k, c, viscous=0.2, load_viscous=0.4, spring=5.0, sensor="load")
     response = axis.system()(s)
-    assert response[3, 0] == pytest.approx(y[0], rel=1e-11)
+    assert response[5, 0] == pytest.approx(y[0], rel=1e-11)
     assert response[2, 0] == pytest.approx(y[2], rel=1e-11)
     assert response[2, 2] == pytest.approx(pushed[2], rel=1e-11)
     assert axis.transfer()(s) == pytest.approx(y[2], rel=1e-9)

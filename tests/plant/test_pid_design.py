@@ -28,7 +28,7 @@ def margins_of(loop, crossover):
     return abs(value), degrees(cmath.phase(-value)), 20 * log10(abs(loop(low)))
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.004, 0.02])
+@pytest.mark.parametrize("delay", [0.0, 0.002, 0.004])
 @pytest.mark.parametrize("viscous", [0.0, 0.5])
 @pytest.mark.parametrize("lag", [0.0, 2e-3])
 def test_a_flexible_axis_with_friction_delay_and_filter(delay, viscous, lag):
