@@ -28,6 +28,7 @@ from .log_conformance import Conformance, conformance, read_log
 from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
 from .specification import Labels, Mode, Move, Specification
+from .tuning import TunedPID, tune_pid
 
 __all__ = [
     "CascadedLags",
@@ -44,6 +45,7 @@ __all__ = [
     "PeriodicResponse",
     "Specification",
     "Survey",
+    "TunedPID",
     "UnstableLoopError",
     "VibrationMap",
     "cascaded_lags",
@@ -66,6 +68,7 @@ __all__ = [
     "rollover_db_per_decade",
     "servo_margins",
     "survey",
+    "tune_pid",
     "vibration_map",
 ]
 

@@ -18,7 +18,8 @@ from .inertia import Inertia
 from .inverse import inverse_feedforward, low_frequency_feedforward
 from .loop_response import LoopResponse
 from .many import respond_all
-from .pid import PID, design_pid
+from .pid import PID
+from .pid_design import design_pid
 from .realisation import wind_realisation
 from .ripple import Ripple
 from .sampled import zero_order_hold

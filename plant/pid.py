@@ -1,9 +1,9 @@
-"""The PID controller and its exact design for an inertia."""
+"""The PID controller."""
 
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from math import atan2, cos, degrees, inf, isfinite, pi, radians, sin, sqrt
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -15,8 +15,6 @@ from .linear_system import linear_system
 if TYPE_CHECKING:
     import control
 
-
-_MOST_DB = 300.0  # beyond, the integral gain is nothing but rounding
 
 Rate = Literal["measured", "differenced"]
 """How a sampled PID comes by the error's rate."""
@@ -158,120 +156,6 @@ class PID:
             states=names[used].tolist(),
             name="controller",
         )
-
-
-def design_pid(
-    inertia: Inertia | float,
-    *,
-    crossover_hz: float,
-    phase_margin_deg: float,
-    lower_gain_margin_db: float,
-) -> PID:
-    """Return the PID that gives an inertia exactly these three margins.
-
-    With ω_c the crossover, φ the phase margin, g_m > 1 the lower gain margin as a factor and
-    k(s) = k_r·(s² + p·s + q)/s,
-
-        k_r·p = J·ω_c²·cos φ,   q = k_r·p/(J·g_m),   k_r = J·ω_c³·sin φ/(ω_c² − q).
-
-    Parameters
-    ----------
-    inertia : Inertia or float
-        J > 0.
-    crossover_hz : float
-        Gain crossover |L| = 1, in Hz.
-    phase_margin_deg : float
-        Between 0 and 90, both excluded.
-    lower_gain_margin_db : float
-        By how many dB the gain may fall before the loop is unstable; positive. (Ideal PID on a
-        pure inertia is conditionally stable and has no upper gain margin.)
-
-    Returns
-    -------
-    PID
-
-    Raises
-    ------
-    ValueError
-        For a value that is not finite or not positive, or for specifications that contradict
-        each other: a phase margin outside (0, 90) deg, or q ≥ ω_c² (g_m ≤ cos φ, a lower gain
-        margin so small that the zeros lie beyond the crossover), or a lower gain margin so small
-        that |L| = 1 again at a frequency with less phase margin.
-
-    References
-    ----------
-    Thompson, "Snap, Crackle, and Pop", Section VII, solved exactly: the gains printed there
-    (k_r = 11.09J, …) do not meet its own specifications.
-
-    Examples
-    --------
-    >>> gains = design_pid(1.0, crossover_hz=1, phase_margin_deg=45, lower_gain_margin_db=12)
-    >>> round(gains.kr, 6), round(gains.kp / gains.kr, 6), round(gains.ki / gains.kr, 6)
-    (5.402451, 5.167184, 7.012046)
-    """
-    moment = (inertia if isinstance(inertia, Inertia) else Inertia(inertia)).J
-    omega = 2.0 * pi * positive("crossover_hz", crossover_hz)
-    phase_margin_deg = finite("phase_margin_deg", phase_margin_deg)
-    phase = radians(phase_margin_deg)
-    if not 0.0 < phase < 0.5 * pi:
-        raise ValueError(
-            f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
-            "between 0 and 90 deg (both excluded)"
-        )
-    lower_gain_margin_db = finite("lower_gain_margin_db", lower_gain_margin_db)
-    if abs(lower_gain_margin_db) > _MOST_DB:
-        raise ValueError(
-            f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected at most {_MOST_DB:g} dB"
-        )
-    factor = 10.0 ** (lower_gain_margin_db / 20.0)
-    if factor <= cos(phase):
-        raise ValueError(
-            f"lower_gain_margin_db = {lower_gain_margin_db!r} contradicts a phase margin of "
-            f"{phase_margin_deg!r} deg: q = ω_c²·cos φ/g_m would reach ω_c²; ask for a positive "
-            "lower gain margin"
-        )
-    if factor <= 1.0:
-        raise ValueError(
-            f"lower_gain_margin_db = {lower_gain_margin_db!r}: expected a positive number of dB, "
-            "or the loop would already be unstable"
-        )
-    _check_other_crossovers(phase, factor, lower_gain_margin_db)
-    try:
-        kp = moment * omega**2 * cos(phase)
-        kr = moment * omega * sin(phase) / (1.0 - cos(phase) / factor)
-        ki = kr * (kp / (moment * factor))
-    except OverflowError:
-        kp = ki = kr = inf
-    if not all(0.0 < gain < inf for gain in (kp, ki, kr)):
-        raise ValueError(
-            f"the gains for J = {moment!r} and crossover_hz = {crossover_hz!r} leave the range of "
-            "a double: choose other units"
-        )
-    return PID(kp, ki, kr)
-
-
-def _check_other_crossovers(phase: float, factor: float, asked_db: float) -> None:
-    """Refuse specifications whose loop crosses |L| = 1 again with a smaller phase margin.
-
-    With s in units of ω_c and J = 1 the crossovers are the positive roots x = ω² of
-    x³ − k_r²·x² + (2·k_i·k_r − k_p²)·x − k_i² = 0.
-    """
-    kp = cos(phase)
-    kr = sin(phase) / (1.0 - kp / factor)
-    ki = kr * kp / factor
-    roots = np.roots([1.0, -(kr**2), 2.0 * ki * kr - kp**2, -(ki**2)])
-    for root in roots:
-        if abs(root.imag) > 1e-9 * abs(root) or root.real <= 0.0:
-            continue
-        omega = sqrt(root.real)
-        margin = atan2(kp * omega, ki - kr * omega**2) - 0.5 * pi
-        if abs(margin) < phase * (1.0 - 1e-6):
-            raise ValueError(
-                f"lower_gain_margin_db = {asked_db!r} contradicts a phase margin of "
-                f"{degrees(phase):.6g} deg: |L| = 1 again at {omega:.4g} times the crossover, "
-                f"where the phase margin is {degrees(margin):.4g} deg; ask for a larger lower "
-                "gain margin"
-            )
 
 
 def printed_pid(inertia: Inertia | float) -> PID:

@@ -1,0 +1,112 @@
+"""Designs for any axis: the three margins by plain complex arithmetic, and refusals."""
+
+import cmath
+from math import degrees, log10, pi
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from jounce.plant import (
+    Axis,
+    Controller,
+    FlexibleInertia,
+    FlexibleMode,
+    Inertia,
+    LowPass,
+    ServoLoop,
+    design_pid,
+)
+
+ASKED = {"crossover_hz": 2.0, "phase_margin_deg": 45.0, "lower_gain_margin_db": 12.0}
+
+
+def margins_of(loop, crossover):
+    """Return |L| and phase margin there, and the dB at the phase crossover below."""
+    value = loop(crossover)
+    low = brentq(lambda w: cmath.phase(-loop(w)), 0.05 * crossover, 0.9 * crossover, xtol=1e-14)
+    return abs(value), degrees(cmath.phase(-value)), 20 * log10(abs(loop(low)))
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.002, 0.004])
+@pytest.mark.parametrize("viscous", [0.0, 0.5])
+@pytest.mark.parametrize("lag", [0.0, 2e-3])
+def test_a_flexible_axis_with_friction_delay_and_filter(delay, viscous, lag):
+    """Against the two-mass impedance, written out."""
+    axis = Axis(2.0, modes=[FlexibleMode(20.0, 0.01, load_fraction=0.4)], viscous=viscous)
+    gains = design_pid(axis, **ASKED, delay=delay, derivative_filter=lag)
+    w, share = 2 * pi * 20.0, 0.4
+    k, c = share * (1 - share) * 2.0 * w**2, 2 * 0.01 * w * share * (1 - share) * 2.0
+
+    def loop(omega):
+        s = 1j * omega
+        spring = k + c * s
+        load = share * 2.0 * s**2
+        motor = (1 - share) * 2.0 * s**2 + viscous * s + spring * load / (spring + load)
+        pid = gains.kp + gains.ki / s + gains.kr * s / (1 + lag * s)
+        return pid / motor * cmath.exp(-s * delay)
+
+    size, phase, lower = margins_of(loop, 2 * pi * 2.0)
+    assert size == pytest.approx(1.0, rel=1e-10)
+    assert phase == pytest.approx(45.0, abs=1e-8)
+    assert lower == pytest.approx(12.0, abs=1e-8)
+
+
+def test_a_digital_loop_in_z():
+    """Double integrator behind a hold and half a sample of delay."""
+    dt, moment = 2e-3, 5.0
+    gains = design_pid(Inertia(moment), **ASKED, sample_time=dt, delay=0.5 * dt)
+
+    def loop(omega):
+        z = cmath.exp(1j * omega * dt)
+        # x = (y, v): exact hold, the old input for the first half of the sample.
+        new = np.array([dt**2 / 8, dt / 2]) / moment
+        old = np.array([3 * dt**2 / 8, dt / 2]) / moment
+        step = np.array([[1.0, dt], [0.0, 1.0]])
+        plant = np.linalg.solve(z * np.eye(2) - step, new + old / z)[0]
+        return plant * (gains.kp + gains.ki * dt * z / (z - 1) + gains.kr * (z - 1) / (dt * z))
+
+    size, phase, lower = margins_of(loop, 2 * pi * 2.0)
+    assert size == pytest.approx(1.0, rel=1e-9)
+    assert phase == pytest.approx(45.0, abs=1e-6)
+    assert lower == pytest.approx(12.0, abs=1e-6)
+
+
+def test_without_delay_and_filters_a_rigid_axis_gets_the_closed_form():
+    closed = design_pid(3.0, **ASKED)
+    general = design_pid(Axis(3.0), **ASKED)
+    assert (general.kp, general.ki, general.kr) == pytest.approx(
+        (closed.kp, closed.ki, closed.kr), rel=1e-9
+    )
+
+
+def test_the_designed_loop_is_stable_down_to_its_lower_margin():
+    axis = FlexibleInertia(2.0, frequency_hz=20.0, damping=0.01, load_fraction=0.4)
+    gains = design_pid(axis, **ASKED, sample_time=1e-3, delay=1.5e-3)
+    loop = ServoLoop(axis, Controller(gains, sample_time=1e-3, delay=1.5e-3)).loop_transfer()
+    limit = 10 ** (-12.0 / 20)
+    for gain, stable in ((1.0, True), (limit * 1.001, True), (limit * 0.999, False)):
+        assert bool((abs((gain * loop).feedback().poles()) < 1.0).all()) is stable, gain
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"delay": 0.2}, "phase_margin_deg = 45.0 is out of reach: at the crossover the phase of"),
+        ({"sample_time": 0.3}, "crossover_hz = 2 lies beyond half the sampling frequency"),
+        ({"phase_margin_deg": 190.0, "delay": 0.01}, "phase_margin_deg = 190.0"),
+        ({"lower_gain_margin_db": -1.0, "delay": 0.01}, "lower_gain_margin_db = -1.0"),
+        ({"delay": -0.01}, "delay = -0.01"),
+        ({"filters": [LowPass(1.0)]}, "out of reach"),
+    ],
+)
+def test_refusals_name_value_and_remedy(given, told):
+    with pytest.raises(ValueError, match=told) as caught:
+        design_pid(Inertia(1.0), **(ASKED | given))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mode_that_the_load_sees_is_refused_without_a_notch():
+    axis = FlexibleInertia(2.0, frequency_hz=20.0, damping=0.01, load_fraction=0.4, sensor="load")
+    with pytest.raises(ValueError, match="are out of reach: the gains that meet all three give"):
+        design_pid(axis, **ASKED, delay=1e-3)
