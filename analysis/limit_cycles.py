@@ -143,15 +143,16 @@ def _standstill(loop: ServoLoop, offset: float, poles: Poles) -> Standstill:
 
 def shown_cycles(found: LimitCycles, unit: str, scale: float) -> tuple[str, ...]:
     """Return the limit cycles in sentences, positions in a unit."""
+    alone = ", for the loop without friction," if found.friction else ""
     lines = [
-        "The quantiser's describing function foresees a cycle of "
+        f"The quantiser's describing function foresees{alone} a cycle of "
         f"±{c.amplitude / scale:.3g} {unit} at {c.frequency_hz:.4g} Hz."
         for c in found.foreseen
     ]
     if found.friction:
         lines.append(
-            "With stiction a describing function foresees none, rightly or wrongly: the simulation "
-            "and the next breakaway tell."
+            "Of stiction a describing function foresees no cycle, rightly or wrongly: the "
+            "simulation and the next breakaway tell."
         )
     return (*lines, _shown_standstill(found.standstill, unit, scale))
 

@@ -71,7 +71,7 @@ class RequirementCheck:
         least, most = self.requirement.least, self.requirement.most
         asked = [f"≥ {least / scale:.4g}"] if least is not None else []
         asked += [f"≤ {most / scale:.4g}"] if most is not None else []
-        known = "never" if self.requirement.unit == "time" else "none"
+        known = "not reached" if self.requirement.unit == "time" else "none"
         finite = abs(self.achieved) < float("inf")
         achieved = f"{self.achieved / scale:.4g} {unit}".strip() if finite else known
         by = f" by {self.missed_by / scale:.3g} {unit}".rstrip() if finite else ""

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..plant import Ramp, ServoLoop, respond
+from ..plant.linear_system import linear_system
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.trajectory import point
 from .sampling import clock_for, followed, thinned
-from .surveyed_loop import followed_until, linear_part
+from .surveyed_loop import followed_until, is_ideal, linear_part
+
+if TYPE_CHECKING:
+    import control
 
 KEPT = 50_000
 """Samples kept of a response, of all those that its figures are taken from."""
@@ -67,13 +72,30 @@ def step_response(loop: ServoLoop, poles: NDArray[np.complex128]) -> StepRespons
 
 
 def _continuous_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
-    closed = ServoLoop(loop.plant, loop.controller).closed_loop()
+    bare = ServoLoop(loop.plant, loop.controller)
+    closed = bare.closed_loop() if is_ideal(bare) else _from_position(linear_part(bare).system())
 
     def respond_to_step(dt: float, duration: float) -> tuple[FloatArray, ...]:
         response = respond(closed, point(1.0, 1), dt, duration=duration)
         return np.asarray(response.time), np.asarray(response.outputs)
 
     return followed(respond_to_step, clock_for(poles, _DECAY))
+
+
+def _from_position(system: control.StateSpace) -> control.StateSpace:
+    """Return r → y of a system (r, ṙ, …) → (y, …), the derivatives taken inside.
+
+    With s^k·(s − A)⁻¹ = (s − A)⁻¹·A^k + Σ_j A^j·s^(k−1−j), of which y sees j = k − 1 alone.
+    """
+    a, b, c = (np.asarray(part) for part in (system.A, system.B, system.C[:1]))
+    direct, drive, power = system.D[0, 0], b[:, :1], np.eye(len(a))
+    for k in range(1, b.shape[1]):
+        direct = direct + (c @ power @ b[:, k]).item()
+        power = power @ a
+        drive = drive + power @ b[:, k : k + 1]
+    names = [f"x_{i}" for i in range(len(a))]
+    matrices = (a, drive, c, np.array([[direct]]))
+    return linear_system(matrices, 0, inputs=["r"], outputs=["y"], states=names)
 
 
 def _sampled_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
