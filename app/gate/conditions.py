@@ -2,20 +2,17 @@
 
 Conditions say what is asked and given: plant, specification, moves with their distances, limits
 and tolerances, the filter that bounds their jerk, modes, the error of Ĵ. Change one, and a number
-of the same name means another thing. The design answers them: the controller and the feedforward.
-It may change as long as the numbers stand the comparison.
+of the same name means another thing. The design answers them: the gains, the feedforward's Ĵ. It
+may change as long as the numbers stand the comparison.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from math import inf, isclose
 from typing import Any, Literal
 
-import numpy as np
-
-from ...analysis.specification import Mode
 from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
 from ..scenario_checks import GAIN_UNITS
@@ -29,8 +26,7 @@ Conditions = Mapping[Key, str]
 NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
 _ORIGIN = ("path", "title", "motion", "position_unit", "overrides", "limits_name", "name")
-_DESIGN = ("controller", "feedforward")
-_ASKED = (("controller", "specification"), ("feedforward", "error"))
+_DESIGN = (("controller", "gains"), ("feedforward", "inertia"))
 _ENTRIES = ("moves", "modes")
 _KEYS: dict[str, Key] = {
     "inertia": ("plant", "inertia"),
@@ -40,7 +36,6 @@ _KEYS: dict[str, Key] = {
     "inertia_error": ("feedforward", "error"),
     "bounds": ("limits",),
 }
-_TIMES = ("duration", "round_to")
 _SUFFIXES = {"_hz": "Hz", "_deg": "deg", "_db": "dB", "_s": "s"}
 _FRACTIONS = ("inertia_error", "damping")
 _POSITIONS = ("distance", "settle_to")
@@ -61,8 +56,7 @@ class Change:
     @property
     def verdict(self) -> Literal["changed", "redesigned"]:
         """Whether the numbers mean something else now, or the loop is another one."""
-        designed = self.key[0] in _DESIGN and self.key[:2] not in _ASKED
-        return "redesigned" if designed else "changed"
+        return "redesigned" if any(self.key[: len(d)] == d for d in _DESIGN) else "changed"
 
     @property
     def name(self) -> str:
@@ -136,37 +130,21 @@ def _quantity(text: str) -> tuple[list[float], str]:
 
 
 def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, str]]:
-    """Yield key and text of each value in a dataclass, and in those within it.
-
-    Only a mode's damping is told where it is the usual one.
-    """
+    """Yield key and text of each value in a dataclass, and in those within it."""
     for field in fields(part):
         value = getattr(part, field.name)
-        if field.name in _ORIGIN or (_is_usual(value, field) and not isinstance(part, Mode)):
+        if field.name in _ORIGIN:
             continue
         key = (*where, *_key_of(field.name))
         if field.name == "bounds":
             yield from _limits(value, key, scenario)
+        elif is_dataclass(value):
+            yield from _leaves(value, key, scenario)
         elif isinstance(value, tuple) and all(map(is_dataclass, value)):
-            for i, entry in enumerate(value, start=1):
-                yield from _entry_leaves(entry, (*key, getattr(entry, "name", str(i))), scenario)
+            for entry in value:
+                yield from _leaves(entry, (*key, entry.name), scenario)
         else:
-            yield from _entry_leaves(value, key, scenario, field.name)
-
-
-def _entry_leaves(
-    value: Any, key: Key, scenario: Scenario, name: str = ""
-) -> Iterator[tuple[Key, str]]:
-    if is_dataclass(value):
-        yield from _leaves(value, key, scenario)
-    else:
-        yield key, _text(value, name, scenario)
-
-
-def _is_usual(value: Any, field: Any) -> bool:
-    """Whether a value is its field's default."""
-    usual = field.default
-    return usual is not MISSING and type(value) is type(usual) and bool(np.all(value == usual))
+            yield key, _text(value, field.name, scenario)
 
 
 def _key_of(name: str) -> Key:
@@ -190,8 +168,6 @@ def _text(value: Any, name: str, scenario: Scenario) -> str:
     """Return a value with its unit."""
     if value is None:
         return NONE
-    if isinstance(value, np.ndarray):
-        return " ".join(map(_number, value.ravel().tolist()))
     if not isinstance(value, float):
         return str(value)
     if name in _FRACTIONS:
@@ -204,8 +180,6 @@ def _text(value: Any, name: str, scenario: Scenario) -> str:
 def _unit(name: str, scenario: Scenario) -> str:
     if name in GAIN_UNITS[scenario.motion]:
         return GAIN_UNITS[scenario.motion][name]
-    if name in _TIMES:
-        return "s"
     if name.endswith("inertia"):
         return "kg m^2" if scenario.motion == "angle" else "kg"
     return next((unit for suffix, unit in _SUFFIXES.items() if name.endswith(suffix)), "")

@@ -221,7 +221,7 @@ def test_the_quantisers_describing_function_is_its_first_harmonic(amplitude):
 
 
 def test_a_quantiser_is_foreseen_to_hunt_about_the_lower_margin():
-    """PID on an inertia, the command between two counts: the simulation swings less than a count."""
+    """PID on an inertia, the command between two counts: it swings less than a count."""
     step = 1e-4
     controller = Controller(
         design_pid(2.0, crossover_hz=4.0, phase_margin_deg=45.0, lower_gain_margin_db=12.0),

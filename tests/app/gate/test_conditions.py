@@ -10,7 +10,6 @@ from jounce.analysis.specification import Mode
 from jounce.app import load_scenario
 from jounce.app.gate.conditions import Change, changes, scenario_conditions
 from jounce.app.scenario import Gains
-from jounce.shaping import input_shaper
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 OVERRIDES = {
@@ -32,13 +31,15 @@ def varied(part):
 
 
 def others(value):
+    if value is None:
+        return
     if is_dataclass(value):
         yield from (other for _, other in varied(value))
     elif isinstance(value, tuple):
         for i, entry in enumerate(value):
             for other in others(entry):
                 yield (*value[:i], other, *value[i + 1 :])
-    elif value is None or (isinstance(value, float) and math.isinf(value)):
+    elif isinstance(value, float) and math.isinf(value):
         yield 1.0
     else:
         yield value + 1 if isinstance(value, int) else value * (1 + 1e-6)
@@ -49,17 +50,7 @@ VARIED = list(varied(SCENARIO))
 
 def test_every_value_of_the_scenario_is_tried():
     """Inertia, 3 gains, 3 specifications, Ĵ, its error, 2 of the filter, 2 moves, a mode."""
-    assert len(VARIED) == 1 + 3 + 3 + 1 + 1 + 2 + 2 * (1 + 4 + 1 + 2) + 2
-
-
-def test_a_shaper_on_a_move_is_a_condition():
-    shaper = input_shaper("ZV", 6.0, 0.01)
-    moves = (replace(SCENARIO.moves[0], shapers=(shaper,)), *SCENARIO.moves[1:])
-    stored, now = (scenario_conditions(s) for s in (SCENARIO, replace(SCENARIO, moves=moves)))
-    found = {change.key[2:]: change for change in changes(stored, now)}
-    assert set(found) == {("shapers", "1", "times"), ("shapers", "1", "amplitudes")}
-    assert {change.verdict for change in found.values()} == {"changed"}
-    assert found["shapers", "1", "times"].now == " ".join(f"{t:.12g}" for t in shaper.times)
+    assert len(VARIED) == 1 + 3 + 3 + 1 + 1 + 2 + 2 * (1 + 4 + 1) + 2
 
 
 @pytest.mark.parametrize("other", [other for _, other in VARIED], ids=range(len(VARIED)))
