@@ -89,6 +89,7 @@ def survey_command(
     files = write_survey(found, output)
     given = [f"with {text}" for text in found.scenario.overrides]
     print_parts(found.scenario.title, *given, *survey_tables(found))
+    print_parts(*found.notes)
     print_parts(*found.findings)
     print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
 

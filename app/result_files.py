@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.sampling import thinned
-from .survey_report import survey_data
+from .survey_data import survey_data
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..analysis.loop_survey import MoveSurvey
+    from ..plant import LoopResponse
     from .scenario_survey import ScenarioSurvey
 
 PICTURES: dict[str, dict[str, None]] = {
@@ -50,7 +51,9 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
     -------
     list of Path
         The files: survey.json, survey.png, survey.pdf, step.csv, one move_*.csv per move (each
-        with at most 4000 of the samples that the figures in survey.json are taken from).
+        with at most 4000 of the samples that the figures in survey.json are taken from); of a
+        loop that is not ideal details.png and details.pdf, too, and of what was asked for
+        disturbance.csv and one tracking_*.csv per command.
 
     Raises
     ------
@@ -60,6 +63,7 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
     from matplotlib.figure import Figure
 
     from ..plots.survey import plot_survey
+    from ..plots.survey_details import plot_survey_details
 
     with _all_or_nothing(folder) as draft:
         text = json.dumps(survey_data(survey), indent=2, ensure_ascii=False, allow_nan=False)
@@ -68,9 +72,13 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
         _write_csv(draft / "step.csv", ["time_s", "position"], [step.time, step.position])
         for i, move in enumerate(survey.moves, start=1):
             _write_move(survey, move, draft / f"move_{i}_{slug(move.name)}.csv")
-        figure = plot_survey(survey, figure=Figure())  # without pyplot and a display
-        save_figure(figure, draft / "survey.png")
-        save_figure(figure, draft / "survey.pdf")
+        _write_others(survey, draft)
+        pages = {"survey": plot_survey(survey, figure=Figure())}  # without pyplot and a display
+        if not survey.is_ideal:
+            pages["details"] = plot_survey_details(survey, figure=Figure())
+        for name, figure in pages.items():
+            save_figure(figure, draft / f"{name}.png")
+            save_figure(figure, draft / f"{name}.pdf")
         names = sorted(path.name for path in draft.iterdir())
     return [folder / name for name in names]
 
@@ -183,6 +191,29 @@ def _write_move(survey: ScenarioSurvey, move: MoveSurvey, path: Path) -> None:
         columns[f"position_{label}_{unit}"] = result.response.position / scale
         columns[f"error_{label}_{unit}"] = result.response.error / scale
         columns[f"torque_{label}"] = result.response.torque
+        if not survey.is_ideal:
+            columns[f"load_{label}_{unit}"] = result.response.load / scale
+    _write_csv(path, list(columns), list(columns.values()))
+
+
+def _write_others(survey: ScenarioSurvey, draft: Path) -> None:
+    """Write the responses to the torque step and to tracking commands."""
+    if survey.disturbance is not None:
+        _write_response(survey, survey.disturbance.response, draft / "disturbance.csv")
+    for i, each in enumerate(survey.tracking, start=1):
+        _write_response(survey, each.response, draft / f"tracking_{i}_{slug(each.name)}.csv")
+
+
+def _write_response(survey: ScenarioSurvey, response: LoopResponse, path: Path) -> None:
+    scale = survey.scenario.position_scale
+    unit = re.sub(r"\W+", "_", survey.scenario.position_unit)
+    columns = {
+        "time_s": response.time,
+        f"command_{unit}": response.command / scale,
+        f"load_{unit}": response.load / scale,
+        f"load_error_{unit}": response.load_error / scale,
+        "torque": response.torque,
+    }
     _write_csv(path, list(columns), list(columns.values()))
 
 

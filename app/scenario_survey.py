@@ -28,6 +28,7 @@ class ScenarioSurvey(Survey):
             "The gains printed in Thompson, Section VII (k_r = 11.09J, k_i = 6.286k_r, "
             f"k_p = 3.187k_r) miss their specifications: {self.missed}, where the "
             'text has 40 %. Use gains = "design" for a loop that meets them.',
+            *self.unmet,
         )
 
 

@@ -1,121 +1,73 @@
-"""A survey as text: tables for the terminal, plain data for JSON and CSV."""
+"""A survey as text: tables for the terminal."""
 
 from __future__ import annotations
 
-from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
 
+from ..analysis.disturbed import total_of
 from ..analysis.margins.result import shown_intervals
-from ..shaping.derivatives import derivative_name
-from .tables import plain_table
+from .tables import WideTable, plain_table
 
 if TYPE_CHECKING:
-    from ..analysis.loop_survey import MoveSurvey
-    from .scenario_survey import ScenarioSurvey
+    from ..analysis.loop_survey import MoveResponse, MoveSurvey, Survey
 
 
-def survey_tables(survey: ScenarioSurvey) -> list[Table]:
-    """Return the tables of a survey: margins, design check, step, moves."""
-    tables = [_margins_table(survey)]
+def survey_tables(survey: Survey) -> list[Table | WideTable]:
+    """Return the tables of a survey: what is required, margins, disturbances, moves."""
+    tables: list[Table | WideTable] = []
+    if survey.requirements:
+        tables.append(_requirements_table(survey))
+    tables.append(_margins_table(survey))
     if survey.checks:
         tables.append(_design_table(survey))
-    tables += [_step_table(survey), _moves_table(survey)]
-    return [*tables, _vibration_table(survey)] if survey.scenario.modes else tables
+    tables += [_step_table(survey), *_disturbance_tables(survey)]
+    if survey.moves:
+        tables.append(_moves_table(survey) if survey.is_ideal else _real_moves_table(survey))
+    if survey.tracking:
+        tables.append(_tracking_table(survey))
+    return [*tables, _vibration_table(survey)] if survey.modes else tables
 
 
-def survey_data(survey: ScenarioSurvey) -> dict[str, Any]:
-    """Return every number of a survey as plain data, positions in the scenario's unit.
-
-    Numbers that are infinite or do not exist become None.
-    """
-    scenario, step = survey.scenario, survey.step
-    controller = survey.loop.controller
-    return {
-        "title": scenario.title,
-        "scenario": scenario.path.name,
-        "overrides": list(scenario.overrides),
-        "units": {
-            "position": scenario.position_unit,
-            "torque": _torque_unit(survey),
-            "inertia": "kg m^2" if scenario.motion == "angle" else "kg",
-            "gains": "torque unit per rad, m and s",
-        },
-        "plant": {"inertia": scenario.inertia},
-        "controller": {"kp": controller.kp, "ki": controller.ki, "kr": controller.kr},
-        "feedforward": {"inertia": scenario.feedforward_inertia},
-        "filter": survey.jerk_filter
-        and {"corner_hz": survey.jerk_filter.corner_hz, "order": survey.jerk_filter.order},
-        "margins": survey.margins.as_dict(),
-        "design_check": [
-            {
-                "name": check.name,
-                "unit": check.unit,
-                "asked": check.asked,
-                "achieved": _number(check.achieved),
-                "met": check.met,
-            }
-            for check in survey.checks
-        ],
-        "step": {
-            "overshoot_percent": step.overshoot_percent,
-            "peak_time_s": step.peak_time_s,
-            "rise_time_s": step.rise_time_s,
-            "settling_time_s": step.settling_time_s,
-        },
-        "moves": [_move_data(move, scenario.position_scale) for move in survey.moves],
-        "findings": list(survey.findings),
-    }
-
-
-def _move_data(move: MoveSurvey, scale: float) -> dict[str, Any]:
-    configured = move.configured
-    return {
-        "name": move.name,
-        "distance": _as_written(move.move.distance / scale),
-        "settle_to": _as_written(move.move.settle_to / scale),
-        "order": move.trajectory.order,
-        "duration_s": move.duration_s,
-        "switch_times_s": [float(time) for time in move.trajectory.switch_times],
-        "peaks": {
-            derivative_name(k): move.trajectory.peak(k) / scale
-            for k in range(1, move.trajectory.order + 1)
-        },
-        "settling_time_s": _number(configured.settling_time_s),
-        "peak_error": configured.peak_error / scale,
-        "peak_torque": configured.peak_torque,
-        "residual_vibration": {
-            mode: left / scale for mode, left in move.residual_vibration.items()
-        },
-        "responses": [
-            {
-                "name": result.name,
-                "settling_time_s": _number(result.settling_time_s),
-                "peak_error": result.peak_error / scale,
-                "peak_torque": result.peak_torque,
-                "overshoot": result.overshoot / scale,
-            }
-            for result in move.responses.values()
-        ],
-    }
-
-
-def _margins_table(survey: ScenarioSurvey) -> Table:
+def _margins_table(survey: Survey) -> Table:
     margins = survey.margins
     table = plain_table("Loop margins", "", "value", "at")
     crossover = ("gain crossover", margins.crossover_hz, "Hz", nan)
     for name, value, unit, at in (crossover, *margins.rows()):
         place = f"{at:.4g} Hz" if isfinite(at) else ""
         table.add_row(name, _shown(value, unit), place)
+    if not survey.is_ideal:
+        compliance, per_torque = survey.labels.unit_of("compliance")
+        for name, peak, unit, scale in (
+            ("peak of PS", survey.compliance, compliance, per_torque),
+            ("peak of CS", survey.noise_gain, f"{survey.labels.torque_unit}/{_si(survey)}", 1.0),
+        ):
+            hz = f"{peak.frequency_hz:.4g} Hz" if isfinite(peak.frequency_hz) else ""
+            table.add_row(name, _shown(peak.value / scale, unit), hz)
     table.add_row("stable at gain times", shown_intervals(margins.stabilizing_gains), "")
     delays = shown_intervals(margins.stabilizing_delays_s)
     table.add_row("stable with added delay [s]", delays, "")
     return table
 
 
-def _design_table(survey: ScenarioSurvey) -> Table:
+def _si(survey: Survey) -> str:
+    return "rad" if survey.labels.motion == "angle" else "m"
+
+
+def _requirements_table(survey: Survey) -> Table:
+    table = plain_table("Requirements", "", "asked", "achieved", "")
+    for check in survey.requirements:
+        asked, achieved, verdict = check.shown(survey.labels)
+        colour = "green" if check.met else "red"
+        table.add_row(Text(check.requirement.name), asked, achieved, Text(verdict, colour))
+    return table
+
+
+def _design_table(survey: Survey) -> Table:
     table = plain_table("Design check", "", "asked", "achieved", "")
     for check in survey.checks:
         verdict = Text("met", "green") if check.met else Text("missed", "red")
@@ -125,9 +77,10 @@ def _design_table(survey: ScenarioSurvey) -> Table:
     return table
 
 
-def _step_table(survey: ScenarioSurvey) -> Table:
+def _step_table(survey: Survey) -> Table:
     step = survey.step
-    table = plain_table("Unit step, without feedforward", "", "value")
+    part = "" if survey.is_ideal else ", of the linear part"
+    table = plain_table(f"Unit step, without feedforward{part}", "", "value")
     table.add_row("overshoot", f"{step.overshoot_percent:.2f} %")
     table.add_row("peak at", f"{step.peak_time_s:.4f} s")
     table.add_row("rise, 10 to 90 %", f"{step.rise_time_s:.4f} s")
@@ -135,16 +88,105 @@ def _step_table(survey: ScenarioSurvey) -> Table:
     return table
 
 
-def _moves_table(survey: ScenarioSurvey) -> Table:
-    unit, scale = survey.scenario.position_unit, survey.scenario.position_scale
-    torque = "torque" if survey.scenario.motion == "angle" else "force"
+def _disturbance_tables(survey: Survey) -> Iterator[Table]:
+    labels = survey.labels
+    unit, scale = labels.position_unit, labels.position_scale
+    if survey.disturbance is not None:
+        step = survey.disturbance
+        name = f"{labels.torque_name.capitalize()} of {step.torque:.4g} {labels.torque_unit}"
+        table = plain_table(f"{name} on the {step.on}, the command still", "", "value")
+        table.add_row("peak of the load", f"{step.peak / scale:.4g} {unit}")
+        table.add_row("back within a tenth of it", _time(step.recovery_time_s))
+        yield table
+    if survey.budget:
+        torque = f"{labels.torque_name} [{labels.torque_unit}]"
+        table = plain_table(f"Errors of the load [{unit}]", "", "rms", "peak", torque, "")
+        for source in survey.budget:
+            random = source.kind == "random"
+            load = f"{source.load / scale:.4g}"
+            shown = (load, "") if random else ("", load)
+            table.add_row(source.name, *shown, _finite(source.torque), Text(source.remark))
+        rms, of_torque = total_of(survey.budget)
+        table.add_row("random ones together", f"{rms / scale:.4g}", "", f"{of_torque:.4g}", "")
+        yield table
+
+
+def _real_moves_table(survey: Survey) -> WideTable:
+    """Return the moves of a loop as it is, simulated with friction, limit and resolution."""
+    labels, axis = survey.labels, survey.loop.axis
+    unit, limit = labels.position_unit, axis.torque_limit
+    bound = f" of {limit:.4g}" if limit < inf else ""
+    heads = ["", "load settled [s]", "measured [s]", f"peak load error [{unit}]"]
+    heads += [f"left at the end [{unit}]", f"{labels.torque_name}{bound} [{labels.torque_unit}]"]
+    heads += ["at the limit [s]"] * (limit < inf)
+    heads += ["next breakaway [s]"] * (axis.friction is not None)
+    rows = []
+    for move in survey.moves:
+        settle_to = f"{move.move.settle_to / labels.position_scale:.4g} {unit}"
+        name = f"{move.name}, {move.duration_s:.4f} s, settled to {settle_to}"
+        rows.append([name, *[""] * (len(heads) - 1)])
+        for result in move.responses.values():
+            rows.append([f"  {result.name}", *_move_cells(survey, move, result)])
+    columns = [list(column) for column in zip(heads, *rows, strict=True)]
+    return WideTable("Moves, in closed loop", columns)
+
+
+def _move_cells(survey: Survey, move: MoveSurvey, result: MoveResponse) -> list[str]:
+    scale, tolerance = survey.labels.position_scale, move.move.settle_to
+    axis = survey.loop.axis
+    followed = float(result.response.time[-1] - result.response.time[0])
+    cells = [
+        f"{time:.4f}" if isfinite(time) else f"not by {followed:.4g}"
+        for time in (result.load_settling_time_s, result.settling_time_s)
+    ]
+    cells += [_small(each, tolerance, scale) for each in (result.peak_load_error, result.left_over)]
+    cells.append(f"{result.peak_torque:.4g}")
+    if axis.torque_limit < inf:
+        cells.append(f"{result.saturated_time_s:.4g}")
+    if axis.friction is not None:
+        cells.append(_never(result.next_breakaway_s))
+    return cells
+
+
+def _tracking_table(survey: Survey) -> Table:
+    unit, scale = survey.labels.position_unit, survey.labels.position_scale
+    rms, peak = f"rms error of the load [{unit}]", f"peak [{unit}]"
+    table = plain_table("Tracking", "", "from [s]", "to [s]", rms, peak, "slips")
+    for each in survey.tracking:
+        asked = each.tracking
+        table.add_row(
+            Text(each.name),
+            f"{asked.after:.4g}",
+            f"{asked.duration:.4g}",
+            f"{each.rms_error / scale:.4g}",
+            f"{each.peak_error / scale:.4g}",
+            str(each.slips) if survey.loop.axis.friction is not None else "",
+        )
+    return table
+
+
+def _time(value: float) -> str:
+    return f"{value:.4f} s" if isfinite(value) else "never"
+
+
+def _never(value: float) -> str:
+    return f"{value:.4f}" if isfinite(value) else "never"
+
+
+def _finite(value: float) -> str:
+    return f"{value:.4g}" if isfinite(value) else ""
+
+
+def _moves_table(survey: Survey) -> Table:
+    unit, scale = survey.labels.position_unit, survey.labels.position_scale
+    torque = survey.labels.torque_name
     table = plain_table(
         "Moves",
         "",
         "duration [s]",
         "settled [s]",
         f"peak error [{unit}]",
-        f"peak {torque} [{_torque_unit(survey)}]",
+        f"peak {torque} [{survey.labels.torque_unit}]",
     )
     for move in survey.moves:
         settle_to = f"settled to {move.move.settle_to / scale:.4g} {unit}"
@@ -161,15 +203,15 @@ def _moves_table(survey: ScenarioSurvey) -> Table:
     return table
 
 
-def _vibration_table(survey: ScenarioSurvey) -> Table:
-    """Return what the commands leave ringing in each mode at their end."""
-    unit, scale = survey.scenario.position_unit, survey.scenario.position_scale
-    modes = survey.scenario.modes
+def _vibration_table(survey: Survey) -> Table:
+    """Return what the commands alone leave ringing in each mode at their end, in open loop."""
+    unit, scale = survey.labels.position_unit, survey.labels.position_scale
+    modes = survey.modes
     names = [
         f"{mode.name}, {mode.frequency_hz:.4g} Hz, {100 * mode.damping:.3g} % [{unit}]"
         for mode in modes
     ]
-    table = plain_table("Residual vibration", "", *names)
+    table = plain_table("Residual vibration of the commands alone, in open loop", "", *names)
     for move in survey.moves:
         left = [_small(move.residual_vibration[m.name], move.move.settle_to, scale) for m in modes]
         table.add_row(Text(move.name), *left)
@@ -185,16 +227,3 @@ def _shown(value: float, unit: str, digits: int = 5) -> str:
     if isfinite(value):
         return f"{value:.{digits}g} {unit}".strip()
     return "none" if value > 0 else "—"
-
-
-def _as_written(value: float) -> float:
-    """Return a value from the scenario without the rounding of its conversion to SI and back."""
-    return float(f"{value:.14g}")
-
-
-def _number(value: float) -> float | None:
-    return value if isfinite(value) else None
-
-
-def _torque_unit(survey: ScenarioSurvey) -> str:
-    return "N m" if survey.scenario.motion == "angle" else "N"

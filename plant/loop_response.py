@@ -106,7 +106,14 @@ class LoopResponse(Frozen):
             raise ValueError("an axis without torque_constant tells no current: give it one")
         return self.motor_torque / (axis.gear_ratio * axis.torque_constant)
 
-    def plot(self, *, unit: str = "", torque_unit: str = "", scale: float = 1.0) -> Any:
+    def plot(
+        self,
+        *,
+        unit: str = "",
+        torque_unit: str = "",
+        scale: float = 1.0,
+        tolerance: float | None = None,
+    ) -> Any:
         """Draw a picture: positions, errors, and torque beside its limit.
 
         Parameters
@@ -115,13 +122,15 @@ class LoopResponse(Frozen):
             For the labels.
         scale : float, optional
             The response's units of position per `unit`, positive.
+        tolerance : float, optional
+            Of the error, drawn about 0.
 
         Returns
         -------
         Figure
             As `jounce.plots.plot_loop_response` draws it.
         """
-        return draw(self, unit=unit, torque_unit=torque_unit, scale=scale)
+        return draw(self, unit=unit, torque_unit=torque_unit, scale=scale, tolerance=tolerance)
 
     @cached_property
     def run(self) -> Run:
@@ -170,10 +179,34 @@ class LoopResponse(Frozen):
         step = self.time[k + 1] - self.time[k]
         return float(self.time[k] - self.time[0] + fraction * step)
 
-    def _pieces(self, of: Of, target: float | None) -> Pieces:
+    def _pieces(self, of: Of, target: float | None, after: float = 0.0) -> Pieces:
         """Return position less target, or less the command, between all times of the run."""
         row = self.run.load_row if of == "load" else self.run.seen_row
-        return self.run.pieces(row, -1.0 if target is None else 0.0, target or 0.0)
+        return self.run.pieces(row, -1.0 if target is None else 0.0, target or 0.0, after)
+
+    def extremes(
+        self, target: float | None = None, *, of: Of = "load", after: float = 0.0
+    ) -> tuple[float, float]:
+        """Return the least and the largest of position less target, in exact continuous time.
+
+        Parameters
+        ----------
+        target : float, optional
+            Default: the command, wherever it moves.
+        of : "position" or "load", optional
+        after : float, optional
+            Time from the start from which on it counts.
+        """
+        return self._pieces(of, target, after).extremes()
+
+    def rms_error(self, *, of: Of = "load", after: float = 0.0) -> float:
+        """Return √(mean of (r − position)²) in continuous time, from `after` the start on."""
+        return float(np.sqrt(self._pieces(of, None, after).mean_square()))
+
+    @cached_property
+    def peak_torque(self) -> float:
+        """Largest |u| over continuous time."""
+        return self.run.pieces(self.run.hybrid.torque).peak()
 
     @cached_property
     def peak_load_error(self) -> float:

@@ -20,6 +20,7 @@ from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
 from .survey import plot_survey
+from .survey_details import plot_survey_details
 
 __all__ = [
     "draw",
@@ -38,6 +39,7 @@ __all__ = [
     "plot_periodic_response",
     "plot_phase_plane",
     "plot_survey",
+    "plot_survey_details",
     "plot_trajectory",
     "plot_vibration_by_size",
     "plot_vibration_map",

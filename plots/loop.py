@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import MultipleLocator
 
+from ..analysis.surveyed_loop import decaying_poles
 from .style import BLUE, CURVE_POINTS, GREEN, GREY, ORANGE, RED, finish
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
     """Draw |L| against frequency, with crossover and gain margins marked."""
-    frequency, loop = _loop_curve(survey)
+    frequency, loop = loop_curve(survey)
     margins = survey.margins
     ax.semilogx(frequency, _db(loop), color=BLUE)
     ax.axhline(0.0, color=GREY, linewidth=0.8)
@@ -52,7 +53,7 @@ def plot_loop_gain(survey: Survey, *, ax: Axes) -> Axes:
 
 def plot_loop_phase(survey: Survey, *, ax: Axes) -> Axes:
     """Draw the phase of L against frequency, with the phase margin marked."""
-    frequency, loop = _loop_curve(survey)
+    frequency, loop = loop_curve(survey)
     margins = survey.margins
     ax.semilogx(frequency, _phase_deg(loop), color=BLUE)
     ax.axhline(-180.0, color=GREY, linewidth=0.8)
@@ -72,7 +73,7 @@ def plot_loop_phase(survey: Survey, *, ax: Axes) -> Axes:
 
 def plot_nichols(survey: Survey, *, ax: Axes) -> Axes:
     """Draw gain against phase of L, with the critical point and the circle |S| = peak."""
-    _, loop = _loop_curve(survey)
+    _, loop = loop_curve(survey)
     ax.plot(_phase_deg(loop), _db(loop), color=BLUE, label="L")
     ax.plot(-180.0, 0.0, "+", color=RED, markersize=12, markeredgewidth=2, label="critical point")
     modulus = survey.margins.modulus_margin
@@ -89,7 +90,7 @@ def plot_nichols(survey: Survey, *, ax: Axes) -> Axes:
 
 def plot_sensitivities(survey: Survey, *, ax: Axes) -> Axes:
     """Draw the closed loop T = L/(1 + L) and the sensitivity S = 1/(1 + L)."""
-    frequency, loop = _loop_curve(survey)
+    frequency, loop = loop_curve(survey)
     margins = survey.margins
     for values, color, name, peak, at in (
         (
@@ -133,14 +134,31 @@ def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
     return finish(ax, "Unit step without feedforward", "time [s]", "position / step")
 
 
-def _loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
-    """Return frequencies around the crossover [Hz] and L there."""
+def loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
+    """Return frequencies around the crossover [Hz] and L there, up to half the samples'."""
+    frequency, points = loop_frequencies(survey)
+    return frequency, survey.loop.loop_transfer()(points)
+
+
+def loop_frequencies(survey: Survey) -> tuple[FloatArray, Any]:
+    """Return frequencies around the crossover [Hz], and where a transfer function is taken."""
     margins = survey.margins
     centre = margins.crossover_hz
     if not 0.0 < centre < inf:
-        centre = float(np.abs(margins.closed_loop_poles).max()) / (2.0 * np.pi)
+        centre = float(np.abs(decaying_poles(margins)).max()) / (2.0 * np.pi)
     frequency = centre * np.logspace(-2.0, 2.0, CURVE_POINTS)
-    return frequency, survey.loop.loop_transfer()(2j * np.pi * frequency)
+    if survey.is_ideal:
+        return frequency, 2j * np.pi * frequency
+    top = frequency[-1] if margins.dt is None else 0.5 / margins.dt
+    frequency = np.geomspace(frequency[0], top, CURVE_POINTS)
+    own = np.abs(margins.closed_loop_poles.imag) / (2.0 * np.pi)
+    if margins.dt is not None:
+        own = np.abs(decaying_poles(margins).imag) / (2.0 * np.pi)
+    near = (own[own > 0.0][:, None] * (1.0 + np.linspace(-0.05, 0.05, 81))).ravel()
+    frequency = np.unique(np.concatenate([frequency, near, [top]]))
+    frequency = frequency[(frequency >= 0.01 * centre) & (frequency <= top)]
+    points = 2j * np.pi * frequency
+    return frequency, points if margins.dt is None else np.exp(points * margins.dt)
 
 
 def _db(values: Any) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..plant import LoopResponse
 from ..shaping.checks import positive
-from .style import BLUE, GREY, ORANGE, RED, panels_figure, unit_label
+from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +25,7 @@ def plot_loop_response(
     torque_unit: str = "",
     time_unit: str = "s",
     scale: float = 1.0,
+    tolerance: float | None = None,
     figure: Figure | None = None,
 ) -> Figure:
     """Return a picture of a response: positions, errors and torque, one panel each.
@@ -39,6 +40,8 @@ def plot_loop_response(
         For the labels.
     scale : float, optional
         Response's units of position per `unit`, positive.
+    tolerance : float, optional
+        Of the error, drawn about 0.
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
@@ -57,10 +60,12 @@ def plot_loop_response(
     if flexible:
         above.plot(time, response.load / scale, color=ORANGE, label="load")
         middle.plot(time, response.load_error / scale, color=ORANGE, label="load")
+    if tolerance is not None:
+        _draw_tolerance(middle, tolerance / scale, unit)
     below.plot(time, response.torque, color=BLUE, label="asked of the drive")
     if not np.array_equal(response.torque, response.motor_torque):
         below.plot(time, response.motor_torque, color=ORANGE, label="of the motor")
-    _show_limits(response, below)
+    _show_limits(response, below, torque_unit)
     for ax, label in (
         (above, "position" + unit_label(unit, time_unit, 0)),
         (middle, "error" + unit_label(unit, time_unit, 0)),
@@ -72,14 +77,56 @@ def plot_loop_response(
     return drawn
 
 
-def _show_limits(response: LoopResponse, ax: Axes) -> None:
+def _show_limits(response: LoopResponse, ax: Axes, unit: str) -> None:
     """Draw the torque's limit, and when the motor sticks in all panels."""
     if response.scene is None:
         return
-    limit = response.scene.axis.torque_limit
-    if limit < inf:
-        for side in (limit, -limit):
-            ax.axhline(side, color=RED, linestyle="--", linewidth=0.8)
+    _draw_limit(ax, response.scene.axis.torque_limit, unit)
     for start, end in response.stick_intervals if response.scene.axis.friction else ():
         for panel in ax.figure.axes:
             panel.axvspan(start, end, color=GREY, alpha=0.15, linewidth=0.0)
+
+
+def _draw_tolerance(ax: Axes, tolerance: float, unit: str) -> None:
+    label = f"tolerance ±{tolerance:.4g} {unit}".strip()
+    ax.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.25, label=label)
+
+
+def draw_load_error(
+    response: LoopResponse,
+    *,
+    ax: Axes,
+    tolerance: float | None = None,
+    unit: str = "rad",
+    scale: float = 1.0,
+) -> Axes:
+    """Draw the load's error over time, and a tolerance about 0."""
+    ax.plot(response.time, response.load_error / scale, color=BLUE, label="command − load")
+    if tolerance is not None:
+        _draw_tolerance(ax, tolerance / scale, unit)
+    ax.legend(loc="best")
+    return finish(ax, "Error of the load", "time [s]", f"command − load [{unit}]")
+
+
+def draw_torque(response: LoopResponse, *, ax: Axes, unit: str = "N m") -> Axes:
+    """Draw the torque over time, and its limit where there is one."""
+    name = "force" if unit == "N" else "torque"
+    digital = response.scene is not None and response.scene.is_digital
+    ax.plot(
+        response.time,
+        response.torque,
+        color=ORANGE,
+        drawstyle="steps-post" if digital else "default",
+        label=f"{name} command",
+    )
+    if response.scene is not None:
+        _draw_limit(ax, response.scene.axis.torque_limit, unit)
+    ax.legend(loc="best")
+    return finish(ax, name.capitalize(), "time [s]", f"{name} [{unit}]")
+
+
+def _draw_limit(ax: Axes, limit: float, unit: str) -> None:
+    """Draw a torque limit, if there is one, in both directions."""
+    if limit < inf:
+        for side, label in ((limit, f"limit ±{limit:.4g} {unit}".strip()), (-limit, None)):
+            ax.axhline(side, color=RED, linestyle="--", linewidth=1.0, label=label)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from .loop import plot_loop_gain, plot_loop_phase, plot_nichols, plot_sensitivities, plot_step
 from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
+from .survey_page import plot_survey_page
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 def plot_survey(survey: Survey, *, figure: Figure | None = None) -> Figure:
     """Return the survey of a loop on one page: loop, closed loop, step, first move, wrong Ĵ.
 
+    Of a loop that is not ideal: what to look at first, as `plot_survey_page` draws it.
+
     Parameters
     ----------
     survey : Survey
@@ -29,6 +32,8 @@ def plot_survey(survey: Survey, *, figure: Figure | None = None) -> Figure:
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
     """
+    if not (survey.is_ideal and survey.moves):
+        return plot_survey_page(survey, figure=figure)
     figure = panels_figure(figure, (15.0, 11.0), layout="none")
     axes = figure.subplots(3, 3)
     figure.subplots_adjust(0.055, 0.055, 0.985, 0.91, wspace=0.24, hspace=0.33)

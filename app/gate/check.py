@@ -11,10 +11,10 @@ from ...analysis.loop_survey import Survey, UnstableLoopError
 from ..scenario import Scenario, as_scenario
 from ..scenario_survey import survey_file
 from .baseline import Baseline, check_origin, in_unit, load_baseline, stored_conditions
-from .check_file import CheckError, Checks, load_checks, wants_baseline
+from .check_file import CheckError, Checks, load_checks, wants_baseline, with_bounds
 from .comparison import compare, measured_baseline
 from .conditions import Change, changes, scenario_conditions
-from .numbers import is_position, survey_numbers
+from .numbers import bounds_of, is_position, survey_numbers
 from .report import GateReport
 
 
@@ -107,13 +107,14 @@ def _report(
     except UnstableLoopError as error:
         return GateReport(title, scenario.path, unit, (), unstable=str(error))
     numbers = survey_numbers(found)
-    checks = Checks() if checks_at is None else load_checks(checks_at, numbers)
-    if unit_was not in (None, unit) and any(map(is_position, checks.requirements)):
+    written = Checks() if checks_at is None else load_checks(checks_at, numbers)
+    if unit_was not in (None, unit) and any(map(is_position, written.requirements)):
         raise CheckError(
             f"{checks_at}: bounds positions in the scenario's unit, which was {unit_was} and is "
             f'{unit}; write position_unit = "{unit_was}" into {scenario.path}, or the bounds in '
             f"{unit} and store anew with --update"
         )
+    checks = with_bounds(written, bounds_of(found))
     measured = measured_baseline(
         numbers,
         stored,

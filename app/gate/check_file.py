@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 from pathlib import Path
 from types import MappingProxyType
@@ -52,6 +52,16 @@ class Checks:
     def of(self, key: Key) -> Requirement:
         """Return what is asked of a number."""
         return self.requirements.get(key, Requirement())
+
+
+def with_bounds(checks: Checks, bounds: Mapping[Key, tuple[float, float]]) -> Checks:
+    """Return checks that ask for bounds as well, such as those that the scenario requires."""
+    asked = dict(checks.requirements)
+    for key, (least, most) in bounds.items():
+        own = checks.of(key)
+        both = {"least": max(own.least, least), "most": min(own.most, most)}
+        asked[key] = replace(own, **both)
+    return Checks(checks.rtol, MappingProxyType(asked))
 
 
 def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:

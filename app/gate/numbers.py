@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Literal
 
+from ...analysis.specification import FIGURES
 from ...shaping.derivatives import derivative_name
 from ..scenario_messages import key_path
 
 if TYPE_CHECKING:
     from ...analysis.loop_survey import MoveSurvey, Survey
     from ...analysis.margins import LoopMargins
+    from ...analysis.requirement_checks import RequirementCheck
 
 Key = tuple[str, ...]
 """A number's name in parts: ("moves", "60 arcsec step", "settling_time_s")."""
@@ -37,7 +39,21 @@ _MARGINS: dict[str, Better] = {
     "complementary_peak": "lower",
     "bandwidth_hz": None,
 }
-_POSITIONS = ("peaks", "peak_error", "overshoot", "varied_peak_error", "residual_vibration")
+_POSITIONS: dict[str, tuple[str, ...]] = {
+    "moves": (
+        "peaks",
+        "peak_error",
+        "overshoot",
+        "varied_peak_error",
+        "residual_vibration",
+        "peak_load_error",
+        "left_over",
+    ),
+    "tracking": ("rms_error", "peak_error"),
+    "budget": ("load",),
+    "standstill": ("swing", "error"),
+}
+_REQUIRED = "requirements"
 _STEP: dict[str, Better] = {
     "overshoot_percent": "lower",
     "peak_time_s": None,
@@ -84,7 +100,11 @@ def absent(better: Better) -> float:
 
 def is_position(key: Key) -> bool:
     """Whether a number is a position or one of its derivatives, in the scenario's unit."""
-    return key[0] == "moves" and key[2:3] != () and key[2] in _POSITIONS
+    if key[0] == _REQUIRED:
+        return FIGURES[key[1].rpartition(".")[2]] in ("position", "compliance")
+    if key in (("disturbance", "peak"), ("peaks", "compliance")):
+        return True
+    return any(part in _POSITIONS.get(key[0], ()) for part in key[1:3])
 
 
 def loop_numbers(margins: LoopMargins) -> tuple[Number, ...]:
@@ -102,6 +122,10 @@ def loop_numbers(margins: LoopMargins) -> tuple[Number, ...]:
 def survey_numbers(survey: Survey) -> tuple[Number, ...]:
     """Return the numbers of a survey, positions in the scenario's unit.
 
+    Those of an ideal loop are the first ones; a loop with modes, delay, friction or limits has
+    the others as well: peaks of PS and CS, disturbance step, error budget, standstill, the load's
+    part in each move and its time in saturation. Tracking and requirements are always there.
+
     Of each move: its duration, the peaks of its derivatives, how the loop with its feedforward
     follows it, the worse of the responses with Ĵ varied either way ("varied"), and the
     vibration that it leaves in each mode of the scenario.
@@ -116,7 +140,82 @@ def survey_numbers(survey: Survey) -> tuple[Number, ...]:
         for name, better in _STEP.items()
     ]
     moves = [number for move in survey.moves for number in _move_numbers(survey, move)]
-    return (*loop_numbers(survey.margins), *step, *moves)
+    real = () if survey.is_ideal else _real_numbers(survey)
+    asked = (*_tracking_numbers(survey), *map(_scaled(survey), _requirement_numbers(survey)))
+    return (*loop_numbers(survey.margins), *step, *moves, *real, *asked)
+
+
+def bounds_of(survey: Survey) -> dict[Key, tuple[float, float]]:
+    """Return the bounds of the numbers that are required, by key."""
+    bounds: dict[Key, tuple[float, float]] = {}
+    for check in survey.requirements:
+        _, scale = survey.labels.unit_of(check.requirement.unit)
+        least, most = check.requirement.bounds
+        bounds[_REQUIRED, check.requirement.name] = (least / scale, most / scale)
+    return bounds
+
+
+def _scaled(survey: Survey) -> Callable[[Number], Number]:
+    """Return what puts a number of a position into the scenario's unit."""
+
+    def scaled(number: Number) -> Number:
+        if not is_position(number.key):
+            return number
+        scale = survey.labels.position_scale
+        return replace(number, value=number.value / scale, atol=number.atol / scale)
+
+    return scaled
+
+
+def _requirement_numbers(survey: Survey) -> Iterator[Number]:
+    for check in survey.requirements:
+        yield Number((_REQUIRED, check.requirement.name), check.achieved, _side(check))
+
+
+def _side(check: RequirementCheck) -> Better:
+    if check.requirement.least is not None and check.requirement.most is not None:
+        return None
+    return "lower" if check.requirement.least is None else "higher"
+
+
+def _tracking_numbers(survey: Survey) -> Iterator[Number]:
+    scale = survey.labels.position_scale
+    for each in survey.tracking:
+        for name in ("rms_error", "peak_error"):
+            value = getattr(each, name) / scale
+            yield Number(("tracking", each.name, name), value, "lower", _rounding(survey))
+
+
+def _rounding(survey: Survey) -> float:
+    """Return the size of rounding errors of positions where no move gives one."""
+    asked = [move.move.settle_to for move in survey.moves]
+    return _ROUNDING * min(asked, default=0.0) / survey.labels.position_scale
+
+
+def _real_numbers(survey: Survey) -> Iterator[Number]:
+    """Yield what only a loop has that is not ideal."""
+    scale, rounding = survey.labels.position_scale, _rounding(survey)
+    yield Number(("peaks", "compliance"), survey.compliance.value / scale, "lower")
+    yield Number(("peaks", "noise_gain"), survey.noise_gain.value, "lower")
+    if survey.disturbance is not None:
+        step = survey.disturbance
+        yield Number(("disturbance", "peak"), step.peak / scale, "lower", rounding)
+        yield Number(("disturbance", "recovery_time_s"), step.recovery_time_s, "lower")
+    for source in survey.budget:
+        yield Number(("budget", source.name, "load"), source.load / scale, "lower", rounding)
+        if isfinite(source.torque):
+            yield Number(("budget", source.name, "torque"), source.torque, "lower")
+    if survey.limit_cycles is not None:
+        still = survey.limit_cycles.standstill
+        yield Number(("standstill", "swing"), still.swing / scale, "lower", rounding)
+        yield Number(("standstill", "error"), still.error / scale, "lower", rounding)
+        yield Number(("standstill", "slips"), float(still.slips), "lower")
+    for move in survey.moves:
+        found, key = move.configured, ("moves", move.name)
+        yield Number((*key, "load_settling_time_s"), found.load_settling_time_s, "lower")
+        for name in ("peak_load_error", "left_over"):
+            yield Number((*key, name), getattr(found, name) / scale, "lower", rounding)
+        yield Number((*key, "saturated_time_s"), found.saturated_time_s, "lower")
 
 
 def _move_numbers(survey: Survey, move: MoveSurvey) -> Iterator[Number]:

@@ -106,7 +106,7 @@ def summary(report: GateReport) -> str:
 def _remedies(report: GateReport) -> list[str]:
     """Return what to do about a report's failures and notes."""
     if report.update:
-        return ["Nothing is stored while a bound of the check file is broken"] * broken(report)
+        return ["Nothing is stored while a bound is broken"] * broken(report)
     if broken(report) or report.overrides or not (report.failures or report.notes):
         return []
     asked = "asked and " if any(each not in report.rows for each in report.failures) else ""

@@ -73,7 +73,7 @@ def test_a_long_name_is_folded_not_cut():
          "is measured, store it with --update"),
         (report(WORSE, update=True), "Passed: 1 numbers (1 worse)"),
         (report(WORSE, OUTSIDE, update=True), "FAILED: 1 of 2 numbers (1 outside, 1 worse)\n"
-         "Nothing is stored while a bound of the check file is broken"),
+         "Nothing is stored while a bound is broken"),
         (report(unstable="axis.toml: UNSTABLE"), "FAILED: axis.toml: UNSTABLE"),
     ],
     ids=["same", "worse", "worse-outside", "new-outside", "outside", "better", "update",

@@ -31,6 +31,8 @@ def varied(part):
 
 
 def others(value):
+    if value is None:
+        return
     if is_dataclass(value):
         yield from (other for _, other in varied(value))
     elif isinstance(value, tuple):

@@ -14,7 +14,7 @@ from jounce.analysis.specification import Mode
 from jounce.app import load_scenario, survey_file
 from jounce.app.gate.numbers import RTOL, Number, is_position, loop_numbers, survey_numbers
 from jounce.app.scenario import FilterSection
-from jounce.app.survey_report import survey_data
+from jounce.app.survey_data import survey_data
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
