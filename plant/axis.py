@@ -66,7 +66,7 @@ class Axis(Frozen):
     constant_load : float, optional
         Torque that always acts on the load, in the direction of positive positions.
     ripple : Ripple, optional
-        Of the motor's torque over its position.
+        Torque on the motor over its position: cogging. In simulations, not in transfer functions.
 
     Raises
     ------
@@ -111,7 +111,7 @@ class Axis(Frozen):
         if self.friction is not None:
             of_kind("friction", self.friction, Friction, "Friction(coulomb, static)")
         if self.ripple is not None:
-            of_kind("ripple", self.ripple, Ripple, "Ripple(amplitude, period)")
+            of_kind("ripple", self.ripple, Ripple, "Ripple(positions, torques, period)")
         self._check_drive()
         if self.friction is not None and not self._friction_moves():
             raise ValueError(

@@ -15,7 +15,6 @@ from .axis import Axis
 from .controller import Controller
 from .layout import Layout
 from .open_loop import OpenLoop
-from .ripple import PIECES
 
 _ON_LIMIT = 1e-9  # of the limit: a torque further away has jumped
 
@@ -23,7 +22,7 @@ _ON_LIMIT = 1e-9  # of the limit: a torque further away has jumped
 class Mode(NamedTuple):
     """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1).
 
-    Ripple counts the straight pieces of a period. Integral 2: it goes on just so fast that the
+    Ripple counts the straight lines of its table. Integral 2: it goes on just so fast that the
     torque asked for stays on the limit, where integrating would drive it beyond and holding the
     integral back inside.
     """
@@ -158,7 +157,7 @@ class _Builder:
         frictions = (0,) if self.axis.friction is None else (0, 1, -1)
         limited = self.loop is not None and self.axis.torque_limit < inf
         limits = (0, 1, -1) if limited else (0,)
-        pieces = range(PIECES if self.axis.ripple else 1)
+        pieces = range(self.axis.ripple.count if self.axis.ripple else 1)
         integrals: tuple[int, ...] = (0,)
         if self.loop is not None and isinstance(self.controller.anti_windup, Clamp):
             integrals = (0, 1, -1)
@@ -183,20 +182,22 @@ class _Builder:
         return _Part(rates, guards, torque, pushing)
 
     def rippling(self, mode: Mode, rates: FloatArray, one: FloatArray) -> list[_Guard]:
-        """Add a piece of the ripple to the rates; return guards of the pieces beside it."""
+        """Add a straight line of the ripple to the rates; return guards at both its ends."""
         ripple, place = self.axis.ripple, self.layout.level("ripple")
         if ripple is None or place is None:
             return []
-        left, right = ripple.values()[mode.ripple : mode.ripple + 2]
-        begin, width = self.layout.unit(place), ripple.period / PIECES
-        passed = self.layout.row(self.axis.dynamics.motor) - begin
-        torque = left * one + (right - left) / width * passed
-        rates += np.outer(self.kick[: self.layout.moving], torque)
-        after = mode._replace(ripple=(mode.ripple + 1) % PIECES)
-        before = mode._replace(ripple=(mode.ripple - 1) % PIECES)
+        turns, line = self.layout.unit(place), mode.ripple
+        position = self.layout.row(self.axis.dynamics.motor) - turns
+        offset, slope = ripple.lines()[line]
+        rates += np.outer(self.kick[: self.layout.moving], offset * one + slope * position)
+        if self.axis.friction is not None and mode.friction == 0:
+            return []
+        low, high = ripple.edges[line : line + 2]
+        after, before = (line + 1) % ripple.count, (line - 1) % ripple.count
+        period = ripple.period * turns
         return [
-            _Guard(width * one - passed, after, width * begin, one),
-            _Guard(passed, before, -width * begin, one),
+            _Guard(high * one - position, mode._replace(ripple=after), period * (after == 0), one),
+            _Guard(position - low * one, mode._replace(ripple=before), -period * (line == 0), one),
         ]
 
     def limit_guards(self, mode: Mode, one: FloatArray) -> list[_Guard]:

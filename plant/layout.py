@@ -33,7 +33,7 @@ class Layout:
         Of its chain of derivatives; −1 without.
     set : tuple of str
         What else is set at times: "motor" and "load", the torques held on them; "sign", that of the
-        command's rate; or by events, "ripple", where its piece begins.
+        command's rate; or by events, "ripple", how far its table is shifted.
     digital : bool
         Whether a controller's torque is held.
     """
@@ -182,7 +182,7 @@ def layout_of(
     """Return the layout of a loop; without a command a digital one's.
 
     `signed` for a continuous one that takes the sign of the command's rate, `rippling` for a
-    motor with ripple, of which the beginning of the piece that it is on is held.
+    motor with ripple, of which it is held how many periods the motor is beyond the table.
     """
     held = {d.on for d in disturbances if not isinstance(d, TorqueSine)}
     signals: tuple[str, ...] = tuple(on for on in ("motor", "load") if on in held)
@@ -261,11 +261,13 @@ def at_rest(axis: Axis, position: float) -> tuple[FloatArray, float]:
     """
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
-    ripple = axis.ripple.torque(position) if axis.ripple else 0.0
-    if position == 0.0 and axis.constant_load == 0.0 and ripple == 0.0:
+    if position == 0.0 and axis.constant_load == 0.0 and axis.ripple is None:
         return np.zeros(d.size), 0.0
     matrix = np.vstack([np.column_stack([d.a, d.b[:, 0]]), np.append(seen, 0.0)])
-    target = np.append(-axis.constant_load * d.b[:, 2] - ripple * d.b[:, 1], position)
+    target = np.append(-axis.constant_load * d.b[:, 2], position)
     solved, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    if axis.ripple is not None:
+        target[:-1] -= float(axis.ripple(d.motor @ solved[:-1])) * d.b[:, 1]
+        solved, *_ = np.linalg.lstsq(matrix, target, rcond=None)
     solved[np.abs(solved) < 1e-15 * np.abs(solved).max()] = 0.0
     return solved[:-1], float(solved[-1])

@@ -43,8 +43,9 @@ def simulate(scene: Scene) -> Run:
         _preload_filters(controller, memory, holding)
     first, place = 0, layout.level("ripple")
     if axis.ripple is not None and place is not None:
-        piece, z[place] = axis.ripple.piece_at(float(axis.dynamics.motor @ rest))
-        first = hybrid.modes.index(Mode(ripple=piece))
+        motor = float(axis.dynamics.motor @ rest)
+        z[place] = axis.ripple.turns_before(motor)
+        first = hybrid.modes.index(Mode(ripple=axis.ripple.cell(motor)))
     times, values = layout.settings(scene.begin, scene.duration)
     commands, ahead = _sampled_command(scene)
     samples = np.zeros((len(commands), 3))

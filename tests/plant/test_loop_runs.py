@@ -18,7 +18,6 @@ from jounce.plant import (
     Inertia,
     InertiaFeedforward,
     Ramp,
-    Ripple,
     SampledTorque,
     ServoLoop,
     Sine,
@@ -381,41 +380,6 @@ def test_conditional_integration_may_stay_on_the_limit(ki):
     np.testing.assert_allclose(response.position, found, atol=2e-4)
     kinds = {response.run.hybrid.modes[mode].integral for mode in response.run.modes}
     assert (2 in kinds) == (ki == 600.0)
-
-
-def test_cogging_is_the_motion_in_its_straight_pieces():
-    """A push lets a bare inertia roll over poles, first forwards; the sine is close by."""
-    ripple = Ripple(2.0, 0.05, 0.004)
-    push = [TorqueSteps([0.0, 0.2, 0.4], [4.0, -8.0, 4.0])]
-    loop = ServoLoop(Axis(2.0, viscous=3.0, ripple=ripple), IDLE)
-    response = loop.respond(Ramp(0.0, 0.003), 0.02, duration=0.6, disturbance=push)
-    nodes = 0.004 + 0.05 * np.arange(-160, 161) / 16
-    values = np.tile(ripple.values()[:-1], 21)[: nodes.size]
-
-    def motion(torque):
-        def rates(t, x):
-            pushed = 4.0 if t < 0.2 else -4.0 if t < 0.4 else 0.0
-            return [x[1], (torque(x[0]) + pushed - 3.0 * x[1]) / 2.0]
-
-        options = {"max_step": 2e-4, "rtol": 1e-10, "atol": 1e-12, "method": "DOP853"}
-        return solve_ivp(rates, (0, 0.6), [0.003, 0.0], t_eval=response.time, **options).y[0]
-
-    exact = motion(lambda y: np.interp(y, nodes, values))
-    sine = motion(lambda y: 2.0 * np.sin(2 * pi * (y - 0.004) / 0.05))
-    np.testing.assert_allclose(response.position, exact, atol=1e-8)
-    np.testing.assert_allclose(response.position, sine, atol=1e-4)
-    assert np.ptp(exact) > 0.05  # over a whole pole
-    assert ripple.values().max() == pytest.approx(2.0, rel=0.01)
-
-
-def test_cogging_is_held_at_rest_and_by_friction():
-    ripple = Ripple(2.0, 0.05)
-    controller = Controller(PID(800.0, 2000.0, 60.0), sample_time=1e-3)
-    for start in (-0.031, 0.0, 0.0125, 0.4):
-        axis = Axis(2.0, ripple=ripple, friction=Friction(0.1))
-        response = ServoLoop(axis, controller).respond(Ramp(0.0, start), 0.1, duration=1.0)
-        np.testing.assert_allclose(response.position, start, atol=1e-12)
-        assert response.torque[-1] == pytest.approx(-ripple.torque(start), abs=1e-12)
 
 
 def test_disturbances_add_up():
