@@ -7,6 +7,7 @@ from .frequency_view import (
     FrequencyResponse,
     NullBySize,
     PeriodicResponse,
+    ShaperSensitivity,
     VibrationMap,
     cascaded_lags,
     corner_omega,
@@ -22,6 +23,7 @@ from .frequency_view import (
     rate_limiter_corner_omega,
     residual_vibration,
     rollover_db_per_decade,
+    sensitivity_of_shapers,
     vibration_map,
 )
 from .log_conformance import Conformance, conformance, read_log
@@ -43,6 +45,7 @@ __all__ = [
     "Move",
     "NullBySize",
     "PeriodicResponse",
+    "ShaperSensitivity",
     "Specification",
     "Survey",
     "TunedPID",
@@ -66,6 +69,7 @@ __all__ = [
     "read_log",
     "residual_vibration",
     "rollover_db_per_decade",
+    "sensitivity_of_shapers",
     "servo_margins",
     "survey",
     "tune_pid",

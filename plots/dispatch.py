@@ -14,6 +14,7 @@ from ..analysis.frequency_view import (
     DescribingFunction,
     NullBySize,
     PeriodicResponse,
+    ShaperSensitivity,
     VibrationMap,
 )
 from ..analysis.log_conformance import Conformance
@@ -29,7 +30,12 @@ from .describing_functions import (
     plot_describing_gain,
     plot_periodic_response,
 )
-from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
+from .frequency_view import (
+    plot_cascaded_lags,
+    plot_null_by_size,
+    plot_shaper_sensitivity,
+    plot_vibration_map,
+)
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
 from .survey import plot_survey
@@ -99,6 +105,7 @@ _SINGLE: dict[type, Picture] = {
     ManyMargins: plot_margin_contours,
     VibrationMap: plot_vibration_map,
     NullBySize: plot_null_by_size,
+    ShaperSensitivity: plot_shaper_sensitivity,
     PeriodicResponse: plot_periodic_response,
 }
 for kind, plot in _PANELS.items():
