@@ -26,6 +26,8 @@ from .frequency_view import (
     sensitivity_of_shapers,
     vibration_map,
 )
+from .limit_trials import LimitTrial
+from .limit_tuning import TunedLimits, tune_limits
 from .log_conformance import Conformance, conformance, read_log
 from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
@@ -39,6 +41,7 @@ __all__ = [
     "FirstOrderLag",
     "FrequencyResponse",
     "Labels",
+    "LimitTrial",
     "LoopMargins",
     "ManyMargins",
     "Mode",
@@ -48,6 +51,7 @@ __all__ = [
     "ShaperSensitivity",
     "Specification",
     "Survey",
+    "TunedLimits",
     "TunedPID",
     "UnstableLoopError",
     "VibrationMap",
@@ -72,6 +76,7 @@ __all__ = [
     "sensitivity_of_shapers",
     "servo_margins",
     "survey",
+    "tune_limits",
     "tune_pid",
     "vibration_map",
 ]

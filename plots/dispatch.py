@@ -17,6 +17,7 @@ from ..analysis.frequency_view import (
     ShaperSensitivity,
     VibrationMap,
 )
+from ..analysis.limit_tuning import TunedLimits
 from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
@@ -36,6 +37,7 @@ from .frequency_view import (
     plot_shaper_sensitivity,
     plot_vibration_map,
 )
+from .limit_tuning import plot_tuned_limits
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
 from .survey import plot_survey
@@ -99,6 +101,7 @@ _PANELS: dict[type, Picture] = {
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,
     CosimulationResult: plot_cosimulation,
+    TunedLimits: plot_tuned_limits,
 }
 _SINGLE: dict[type, Picture] = {
     FollowerResponse: plot_following,

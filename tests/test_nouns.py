@@ -27,6 +27,8 @@ from jounce.analysis import (
     sensitivity_of_shapers,
     servo_margins,
     survey,
+    tune_limits,
+    tune_pid,
     vibration_map,
 )
 from jounce.app import check_scenario, load_scenario, survey_file
@@ -83,6 +85,9 @@ FOLLOWER = CommandFollower(LIMITS, dt=0.1, jerk_filter=FILTER)
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
 RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnection
 SURVEY = survey_file(load_scenario("examples/telescope.toml"))
+TUNED = tune_limits(
+    LOOP, 3.0, settle_to=0.1, velocity=1.0, acceleration=2.0, orders=(3,), shapers=()
+)
 MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
 
 NOUNS = [
@@ -98,6 +103,9 @@ NOUNS = [
     min_time_moves([1.0, 2.0], Limits(velocity=1.0, snap=2.0)),
     s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
     certify(MOVE, LIMITS),
+    tune_pid(FlexibleInertia(2.0, 20.0, 0.01), sample_time=1e-3),
+    TUNED,
+    TUNED.best,
     scan_move(1.0, 0.5, LIMITS, lines=2),
     FILTER,
     FILTER.respond(MOVE, 0.1),
