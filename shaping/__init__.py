@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .batch import MotionBatch
     from .batches.moves import min_time_moves
     from .batches.transfers import min_time_transfers
+    from .followed import follow_commands
     from .followers import CommandFollower, FollowerResponse
     from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
@@ -41,6 +42,7 @@ _LATER = {
     "Transfer": "transfers.problem",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
+    "follow_commands": "followed",
     "input_shaper": "input_shapers",
     "min_time_moves": "batches.moves",
     "min_time_transfer": "transfers.transfer",
@@ -69,6 +71,7 @@ __all__ = [
     "binding_limits",
     "bound_for_rise_time",
     "certify",
+    "follow_commands",
     "input_shaper",
     "min_jerk_move",
     "min_time_move",

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from jounce.analysis import read_log
 from jounce.plant import PID, Inertia, InertiaFeedforward, Ramp, ServoLoop, Sine
 from jounce.shaping import (
     CommandFollower,
     Limits,
+    follow_commands,
     min_time_move,
     min_time_transfer,
     scan_move,
@@ -90,44 +92,27 @@ def test_loops_follow_scans_tracks_dithers_and_sums():
 
 
 @pytest.mark.parametrize("limits", [Limits(velocity=2.0, acceleration=4.0), THIRD], ids=repr)
-def test_followed_commands_are_the_followers_own_states(limits):
-    rng = np.random.default_rng(7)
-    follower = CommandFollower(limits, dt=0.02)
-    commands = np.cumsum(rng.normal(size=200) * 0.05)
-    followed = follower.follow(commands, initial=(0.0,))
-    run = follower.run(commands, initial=(0.0,))
+def test_a_command_file_is_followed(limits, tmp_path):
+    path = tmp_path / "command.csv"
+    path.write_text("t;r\n2,0;0,5\n2,5;1,5\n2,73;1,0\n4,0;-1,0\n")
+    times, positions = read_log(path)
+    follower = CommandFollower(limits, dt=0.05)
+    followed = follow_commands(follower, times, positions)
+    assert followed.start_time == 2.0
+    np.testing.assert_array_equal(followed([2.0, 2.5, 2.55]) > 0.5, [False, False, True])
+    held = np.repeat([0.5, 1.5, 1.0, -1.0], [10, 5, 25, 60])  # 2.73 comes in force at 2.75
+    run = follower.run(held, initial=(0.5,))
     for k in range(limits.order):
-        np.testing.assert_allclose(followed(run.time, k), run.states[k], atol=1e-12)
+        np.testing.assert_allclose(followed(2.0 + run.time, k), run.states[k], atol=1e-11)
+    assert followed.end_state[:2] == pytest.approx([-1.0, 0.0], abs=1e-12)
     for k in range(1, limits.order + 1):
         assert followed.peak(k) <= limits.upper[k - 1] * (1 + 1e-9)
-    assert followed.end_state[:2] == pytest.approx([commands[-1], 0.0], abs=1e-12)
     assert LOOP.respond(followed, 0.01).peak_error < 1e-12
 
 
-def test_a_command_file_is_followed(tmp_path):
-    from jounce.analysis import read_log
-
-    path = tmp_path / "command.csv"
-    path.write_text("t;r\n2,0;0,5\n2,5;1,5\n2,73;1,0\n4,0;1,0\n")
-    times, positions = read_log(path)
-    follower = CommandFollower(THIRD, dt=0.05)
-    followed = follower.follow(positions, times=times)
-    assert followed.start_time == 2.0
-    np.testing.assert_array_equal(followed([2.0, 2.5, 2.55]) > 0.5, [False, False, True])
-    held = np.repeat([0.5, 1.5, 1.0], [10, 5, 26])  # 2.73 comes in force at 2.75
-    np.testing.assert_allclose(
-        followed(2.0 + follower.dt * np.arange(1.0, 42.0)),
-        follower.run(held, initial=(0.5,)).states[0],
-        atol=1e-12,
-    )
-    ramp = follower.follow([0.0, 0.1, 0.2], command_velocities=2.0)
-    assert ramp.duration == pytest.approx(0.15)  # it goes on, so does the motion
-
-
-def test_a_follower_on_a_circle_arrives_the_short_way():
-    follower = CommandFollower(Limits(velocity=90.0, acceleration=90.0), dt=0.1, period=360.0)
-    followed = follower.follow([350.0], initial=(10.0,))
-    assert followed.end_state[0] == pytest.approx(-10.0)
+def test_one_command_is_a_point():
+    still = follow_commands(CommandFollower(THIRD, dt=0.1), [3.0], [0.7])
+    assert (still.start_time, float(still(3.05)), still.end_state[0]) == (3.0, 0.7, 0.7)
 
 
 @pytest.mark.parametrize(
@@ -141,8 +126,8 @@ def test_a_follower_on_a_circle_arrives_the_short_way():
         (lambda: scan_move(1.0, 1.0, Limits(velocity=2.0)), "limits of order 1"),
         (lambda: scan_move(1.0, 1.0, THIRD, lines=0), "lines = 0"),
         (
-            lambda: CommandFollower(THIRD, dt=0.1).follow([1.0, 2.0], times=[1.0, 1.0]),
-            "one increasing time",
+            lambda: follow_commands(CommandFollower(THIRD, dt=0.1), [1.0, 1.0], [1.0, 2.0]),
+            "increasing times",
         ),
     ],
 )

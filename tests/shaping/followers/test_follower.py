@@ -327,3 +327,19 @@ def test_the_way_round_is_chosen_at_every_sample(jerk):
 def test_no_commands_no_states(jerk):
     response = CommandFollower(Limits(1.0, 1.0, jerk), dt=0.01).run([])
     assert response.states.shape == (3 if jerk is None else 4, 0)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_the_trajectory_behind_sampled_commands_goes_through_all_samples(order):
+    limits = Limits(velocity=1.0, acceleration=4.0, **({"jerk": 40.0} if order == 3 else {}))
+    follower = CommandFollower(limits, dt=0.05)
+    commands = 0.3 * np.sin(np.arange(60) * 0.2)
+    response = follower.run(commands)
+    whole = follower.trajectory(commands)
+    assert whole.violation(limits) < 1e-9
+    assert whole.lowest_jump() == 2  # the acceleration, at the end at the latest
+    for k in range(order):
+        found = whole(response.time[:-1], k)
+        np.testing.assert_allclose(found, response.states[k, :-1], atol=1e-12)
+    with pytest.raises(ValueError, match="use run"):
+        CommandFollower(limits, dt=0.05, period=1.0).trajectory(commands)
