@@ -7,6 +7,7 @@ from .frequency_view import (
     FrequencyResponse,
     NullBySize,
     PeriodicResponse,
+    ShaperSensitivity,
     VibrationMap,
     cascaded_lags,
     corner_omega,
@@ -22,8 +23,11 @@ from .frequency_view import (
     rate_limiter_corner_omega,
     residual_vibration,
     rollover_db_per_decade,
+    sensitivity_of_shapers,
     vibration_map,
 )
+from .limit_trials import LimitTrial
+from .limit_tuning import TunedLimits, tune_limits
 from .log_conformance import Conformance, conformance, read_log
 from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
@@ -37,6 +41,7 @@ __all__ = [
     "FirstOrderLag",
     "FrequencyResponse",
     "Labels",
+    "LimitTrial",
     "LoopMargins",
     "ManyMargins",
     "Mode",
@@ -44,9 +49,11 @@ __all__ = [
     "NullBySize",
     "PeriodicResponse",
     "Requirement",
+    "ShaperSensitivity",
     "Specification",
     "Survey",
     "Tracking",
+    "TunedLimits",
     "TunedPID",
     "UnstableLoopError",
     "VibrationMap",
@@ -68,8 +75,10 @@ __all__ = [
     "read_log",
     "residual_vibration",
     "rollover_db_per_decade",
+    "sensitivity_of_shapers",
     "servo_margins",
     "survey",
+    "tune_limits",
     "tune_pid",
     "vibration_map",
 ]

@@ -1,6 +1,15 @@
 """The packages of jounce under one name, each loaded when asked for."""
 
-__all__ = ["__version__", "analysis", "app", "core", "fmu", "plant", "plots", "shaping"]
+__all__ = [
+    "__version__",
+    "analysis",
+    "app",
+    "core",
+    "fmu",
+    "plant",
+    "plots",
+    "shaping",
+]
 
 TYPE_CHECKING = False  # typing's own would be an import
 if TYPE_CHECKING:

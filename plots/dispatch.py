@@ -14,8 +14,10 @@ from ..analysis.frequency_view import (
     DescribingFunction,
     NullBySize,
     PeriodicResponse,
+    ShaperSensitivity,
     VibrationMap,
 )
+from ..analysis.limit_tuning import TunedLimits
 from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
@@ -30,7 +32,13 @@ from .describing_functions import (
     plot_describing_gain,
     plot_periodic_response,
 )
-from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
+from .frequency_view import (
+    plot_cascaded_lags,
+    plot_null_by_size,
+    plot_shaper_sensitivity,
+    plot_vibration_map,
+)
+from .limit_tuning import plot_tuned_limits
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
@@ -96,12 +104,14 @@ _PANELS: dict[type, Picture] = {
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,
     CosimulationResult: plot_cosimulation,
+    TunedLimits: plot_tuned_limits,
 }
 _SINGLE: dict[type, Picture] = {
     FollowerResponse: plot_following,
     ManyMargins: plot_margin_contours,
     VibrationMap: plot_vibration_map,
     NullBySize: plot_null_by_size,
+    ShaperSensitivity: plot_shaper_sensitivity,
     PeriodicResponse: plot_periodic_response,
 }
 for kind, plot in _PANELS.items():

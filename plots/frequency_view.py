@@ -15,7 +15,13 @@ from .style import BLUE, GREY, ORANGE, finish, panels_figure, single_axes
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..analysis.frequency_view import CascadedLags, FrequencyResponse, NullBySize, VibrationMap
+    from ..analysis.frequency_view import (
+        CascadedLags,
+        FrequencyResponse,
+        NullBySize,
+        ShaperSensitivity,
+        VibrationMap,
+    )
     from ..shaping.pieces import FloatArray
 
 _SIZE = (8.0, 5.5)  # inches, of a new figure
@@ -157,6 +163,35 @@ def plot_null_by_size(
     _scale(ax, distances, nulls.null_hz[np.isfinite(nulls.null_hz)])
     ax.legend(loc="best")
     return finish(ax, "Null by move size", _distance(unit), "nearest null: " + _hz(time_unit))
+
+
+def plot_shaper_sensitivity(
+    result: ShaperSensitivity, *, ax: Axes | None = None, lowest_percent: float = 0.0
+) -> Axes:
+    """Draw what shapers and moves leave of a mode over the ratio of its frequency to that expected.
+
+    Parameters
+    ----------
+    result : ShaperSensitivity
+    ax : Axes, optional
+        Default: pyplot's current ones.
+    lowest_percent : float, optional
+        Above 0 the axis is logarithmic down to this.
+    """
+    lowest_percent = finite("lowest_percent", lowest_percent)
+    ax = single_axes(ax, _SIZE)
+    rows = zip(result.names, result.durations, result.residual, cycle(_STYLES), strict=False)
+    for name, duration, residual, style in rows:
+        ax.plot(
+            result.ratios, 100.0 * residual, style, linewidth=1.2, label=f"{name}, {duration:.4g}"
+        )
+    if lowest_percent > 0.0:
+        ax.set_yscale("log")
+    ax.set_ylim(bottom=lowest_percent)
+    ax.axvline(1.0, color=GREY, linestyle=":", linewidth=0.8)
+    ax.legend(loc="best", title="duration")
+    title = f"Sensitivity at {result.frequency_hz:.4g}, damping {result.damping:.4g}"
+    return finish(ax, title, "frequency / expected", "left of a step's vibration [%]")
 
 
 def plot_cascaded_lags(

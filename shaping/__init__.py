@@ -16,15 +16,18 @@ if TYPE_CHECKING:
     from .batch import MotionBatch
     from .batches.moves import min_time_moves
     from .batches.transfers import min_time_transfers
+    from .followed import follow_commands
     from .followers import CommandFollower, FollowerResponse
     from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
+    from .scans import Scan, scan_move
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
     from .transfers.synchronize import synchronize
     from .transfers.synchronized import Synchronized
+    from .transfers.tracking import tracking_transfer
     from .transfers.transfer import min_time_transfer, velocity_transfer
     from .transfers.velocity_move import VelocityMove, velocity_move
 
@@ -38,17 +41,21 @@ _LATER = {
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
     "Synchronized": "transfers.synchronized",
+    "Scan": "scans",
     "Transfer": "transfers.problem",
     "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
+    "follow_commands": "followed",
     "input_shaper": "input_shapers",
     "min_time_moves": "batches.moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "batches.transfers",
     "s_curve_move": "transfers.s_curve",
+    "scan_move": "scans",
     "synchronize": "transfers.synchronize",
     "velocity_move": "transfers.velocity_move",
+    "tracking_transfer": "transfers.tracking",
     "velocity_transfer": "transfers.transfer",
 }
 
@@ -63,6 +70,7 @@ __all__ = [
     "Limits",
     "MotionBatch",
     "SCurveMove",
+    "Scan",
     "Synchronized",
     "Trajectory",
     "Transfer",
@@ -70,6 +78,7 @@ __all__ = [
     "binding_limits",
     "bound_for_rise_time",
     "certify",
+    "follow_commands",
     "input_shaper",
     "min_jerk_move",
     "min_time_move",
@@ -78,8 +87,10 @@ __all__ = [
     "min_time_transfers",
     "perfect_spline",
     "s_curve_move",
+    "scan_move",
     "switch_fractions",
     "synchronize",
+    "tracking_transfer",
     "velocity_move",
     "velocity_transfer",
 ]

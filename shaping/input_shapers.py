@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import comb, exp, pi, sqrt
+from math import comb, exp, inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import finite, one_of, positive
+from .checks import finite, of_kind, one_of, positive, range_error
 from .frozen import Frozen
 from .pieces import FloatArray
 from .real_numbers import real_array, shown
@@ -61,6 +61,7 @@ class InputShaper(Frozen):
                 f"amplitudes = {shown(self.amplitudes)}: expected positive numbers; with a "
                 "negative one the command would leave its bounds"
             )
+        amplitudes /= amplitudes.max()
         amplitudes /= amplitudes.sum()
         times.flags.writeable = amplitudes.flags.writeable = False
         object.__setattr__(self, "times", times)
@@ -78,6 +79,7 @@ class InputShaper(Frozen):
 
     def then(self, other: InputShaper) -> InputShaper:
         """Return both shapers in series, which null the modes of both."""
+        of_kind("other", other, InputShaper, "an InputShaper, as input_shaper gives")
         times = (self.times[:, None] + other.times).ravel()
         amplitudes = np.outer(self.amplitudes, other.amplitudes).ravel()
         distinct, place = np.unique(times, return_inverse=True)
@@ -145,7 +147,17 @@ def input_shaper(
     """
     one_of("kind", kind, ("ZV", "ZVD", "ZVDD", "EI"))
     frequencies = np.atleast_1d(real_array("frequency_hz", frequency_hz))
-    dampings = np.broadcast_to(real_array("damping", damping), frequencies.shape)
+    dampings = real_array("damping", damping)
+    if frequencies.ndim != 1 or not frequencies.size:
+        raise ValueError(
+            f"frequency_hz = {shown(frequency_hz)}: expected a frequency, or a row of them"
+        )
+    if dampings.shape not in ((), frequencies.shape):
+        raise ValueError(
+            f"damping = {shown(damping)} with {frequencies.size} frequencies: expected one number, "
+            "or one for each"
+        )
+    dampings = np.broadcast_to(dampings, frequencies.shape)
     shapers = [
         _one_mode(kind, positive("frequency_hz", f), _damping(z), vibration)
         for f, z in zip(frequencies.tolist(), dampings.tolist(), strict=True)
@@ -167,6 +179,8 @@ def _damping(value: float) -> float:
 
 def _one_mode(kind: Kind, frequency_hz: float, zeta: float, vibration: float) -> InputShaper:
     half = 0.5 / (frequency_hz * sqrt(1.0 - zeta * zeta))
+    if not 0.0 < half < inf:
+        raise range_error()
     if kind == "EI":
         if not 0.0 < finite("vibration", vibration) < 1.0:
             raise ValueError(f"vibration = {vibration!r}: expected a part between 0 and 1")
@@ -192,16 +206,27 @@ def _extra_insensitive(zeta: float, vibration: float) -> tuple[float, float, flo
     ratio = float(np.arccos(-(1.0 - v) / (1.0 + v)) / pi)
     x = np.array([0.5, 0.25 * (1.0 + v), 0.25 * (1.0 + v), ratio, 2.0 - ratio])
     for part in np.linspace(0.0, zeta, int(50.0 * zeta) + 2)[1:] if zeta else ():
-        for _ in range(20):
-            step = np.linalg.solve(_slopes(x, part, v), _misses(x, part, v))
-            x = x - step
-            if np.abs(step).max() < 1e-15:
-                break
-    if not (0.0 < x[0] < 1.0 and min(x[1], x[2], 1.0 - x[1] - x[2]) > 0.0):
-        raise ValueError(
-            f"damping = {zeta!r}: no EI shaper of positive parts leaves {v!r}; use 'ZVD'"
-        )
+        x = _solved(x, part, v)
+        if not (0.0 < x[0] < 1.0 and min(x[1], x[2], 1.0 - x[1] - x[2]) > 0.0):
+            raise ValueError(
+                f"damping = {zeta!r}: no EI shaper of positive parts leaves {v!r}; use 'ZVD', or "
+                "a smaller vibration"
+            )
     return float(x[0]), float(x[1]), float(x[2])
+
+
+def _solved(x: FloatArray, zeta: float, vibration: float) -> FloatArray:
+    """Return the solution of the EI shaper's equations near another one, NaN without one."""
+    for _ in range(20):
+        try:
+            with np.errstate(all="ignore"):
+                step = np.linalg.solve(_slopes(x, zeta, vibration), _misses(x, zeta, vibration))
+        except np.linalg.LinAlgError:
+            return np.full_like(x, np.nan)
+        x = x - step
+        if np.abs(step).max() < 1e-15:
+            break
+    return x
 
 
 def _misses(x: FloatArray, zeta: float, vibration: float) -> FloatArray:

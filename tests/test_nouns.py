@@ -24,8 +24,11 @@ from jounce.analysis import (
     loop_margins,
     null_by_size,
     periodic_response,
+    sensitivity_of_shapers,
     servo_margins,
     survey,
+    tune_limits,
+    tune_pid,
     vibration_map,
 )
 from jounce.app import check_scenario, load_scenario, survey_file
@@ -70,6 +73,7 @@ from jounce.shaping import (
     min_time_transfer,
     min_time_transfers,
     s_curve_move,
+    scan_move,
     synchronize,
     velocity_move,
 )
@@ -83,6 +87,9 @@ FOLLOWER = CommandFollower(LIMITS, dt=0.1, jerk_filter=FILTER)
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
 RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnection
 SURVEY = survey_file(load_scenario("examples/telescope.toml"))
+TUNED = tune_limits(
+    LOOP, 3.0, settle_to=0.1, velocity=1.0, acceleration=2.0, orders=(3,), shapers=()
+)
 MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
 
 NOUNS = [
@@ -100,6 +107,10 @@ NOUNS = [
     synchronize([(0.0, 1.0, LIMITS), (2.0, 3.0, LIMITS)]),
     synchronize([(0.0, 3.0), (2.0, 6.0)], "straight-line", resultant=LIMITS),
     certify(MOVE, LIMITS),
+    tune_pid(FlexibleInertia(2.0, 20.0, 0.01), sample_time=1e-3),
+    TUNED,
+    TUNED.best,
+    scan_move(1.0, 0.5, LIMITS, lines=2),
     FILTER,
     FILTER.respond(MOVE, 0.1),
     FOLLOWER,
@@ -149,6 +160,7 @@ NOUNS = [
     cascaded_lags(MOVE, [1.0, 2.0]),
     vibration_map(LIMITS, [1.0], [2.0]),
     null_by_size(LIMITS, [1.0, 2.0], 3.0),
+    sensitivity_of_shapers({"ZV": input_shaper("ZV", 2.0)}, 2.0),
     describing_function(LIMITER, 1.0, [1.0, 2.0]),
     periodic_response(LIMITER, 1.0, 1.0),
     first_order_lag(describing_function(LIMITER, 2.0, [1.0, 2.0])),

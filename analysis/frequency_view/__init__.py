@@ -17,6 +17,7 @@ from .lag_cascade import CascadedLags, cascaded_lags
 from .nearest_lag import FirstOrderLag, first_order_lag, rate_limiter_corner_omega
 from .nulls import NullBySize, null_by_size, null_omegas, null_rise_time
 from .placement import place_null
+from .shaper_sensitivity import ShaperSensitivity, sensitivity_of_shapers
 from .vibration import VibrationMap, residual_vibration, vibration_map
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "FrequencyResponse",
     "NullBySize",
     "PeriodicResponse",
+    "ShaperSensitivity",
     "VibrationMap",
     "cascaded_lags",
     "corner_omega",
@@ -41,5 +43,6 @@ __all__ = [
     "rate_limiter_corner_omega",
     "residual_vibration",
     "rollover_db_per_decade",
+    "sensitivity_of_shapers",
     "vibration_map",
 ]

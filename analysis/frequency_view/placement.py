@@ -117,7 +117,8 @@ def place_null(
     The highest bound, and so the fastest move, with which
     `min_time_move(distance, limits, method="closed-form")` does not ring a mode of that frequency:
     H(jω) = 0 without damping. With damping no real bound makes it zero; then the bound is the one
-    with the least residual vibration next to that null. From order 4 on the null is that of the
+    with the least residual vibration next to that null (`shaping.input_shaper` nulls a damped mode
+    exactly). From order 4 on the null is that of the
     closed form only: the optimal move has other switches.
 
     Parameters
