@@ -27,10 +27,11 @@ from .frequency_view import (
 from .log_conformance import Conformance, conformance, read_log
 from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
-from .specification import Labels, Mode, Move, Specification
+from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
 from .tuning import TunedPID, tune_pid
 
 __all__ = [
+    "FIGURES",
     "CascadedLags",
     "Conformance",
     "DescribingFunction",
@@ -43,8 +44,10 @@ __all__ = [
     "Move",
     "NullBySize",
     "PeriodicResponse",
+    "Requirement",
     "Specification",
     "Survey",
+    "Tracking",
     "TunedPID",
     "UnstableLoopError",
     "VibrationMap",

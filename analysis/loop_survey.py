@@ -15,6 +15,8 @@ from ..plant import (
     InertiaFeedforward,
     LoopResponse,
     ServoLoop,
+    TorqueSteps,
+    Wind,
 )
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ..shaping.drawing import draw
@@ -24,7 +26,7 @@ from .frequency_view import residual_vibration
 from .margins import LoopMargins, loop_margins
 from .margins.result import shown_intervals
 from .sampling import Clock, clock_for, followed, thinned
-from .specification import Labels, Mode, Move, Specification
+from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
 from .step_response import KEPT, StepResponse, step_response
 
 if TYPE_CHECKING:
@@ -137,6 +139,11 @@ def survey(
     jerk_filter: JerkFilter | None = None,
     modes: Sequence[Mode] = (),
     specification: Specification | None = None,
+    wind: Wind | None = None,
+    encoder_noise: float = 0.0,
+    torque_step: float | TorqueSteps | None = None,
+    tracking: Sequence[Tracking] = (),
+    requirements: Sequence[Requirement] = (),
     inertia_error: float = 0.1,
     labels: Labels | None = None,
 ) -> Survey:

@@ -1,14 +1,78 @@
-"""What is asked of a loop: crossover and margins, moves, modes, and how results are told."""
+"""What is asked of a loop: margins, moves, tracking, requirements, and how results are told."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from difflib import get_close_matches
+from math import inf
+from types import MappingProxyType
+from typing import Any, Literal
+
+from ..plant.commands import Command, as_command
+from ..shaping import InputShaper
+from ..shaping.checks import of_kind, positive
+from ..shaping.frozen import Frozen
+from ..shaping.real_numbers import real_number, shown
 
 Bound = float | tuple[float, float]
 """A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
 
 
+FigureUnit = Literal[
+    "time", "position", "torque", "frequency", "angle", "decibel", "percent", "ratio", "compliance"
+]
+"""What a figure is measured in: s, rad or m, N m or N, Hz, deg, dB, %, 1, rad/(N m) or m/N."""
+
+FIGURES: MappingProxyType[str, FigureUnit] = MappingProxyType(
+    {
+        "crossover": "frequency",
+        "bandwidth": "frequency",
+        "phase_margin": "angle",
+        "lower_gain_margin": "decibel",
+        "upper_gain_margin": "decibel",
+        "delay_margin": "time",
+        "modulus_margin": "ratio",
+        "disk_margin": "ratio",
+        "sensitivity_peak": "ratio",
+        "complementary_peak": "ratio",
+        "compliance_peak": "compliance",
+        "step_overshoot": "percent",
+        "duration": "time",
+        "settling": "time",
+        "load_settling": "time",
+        "peak_error": "position",
+        "peak_load_error": "position",
+        "overshoot": "position",
+        "left_over": "position",
+        "peak_torque": "torque",
+        "saturated_time": "time",
+        "disturbance_peak": "position",
+        "disturbance_recovery": "time",
+        "rms_load": "position",
+        "rms_torque": "torque",
+        "friction_spike": "position",
+        "tracking_rms": "position",
+        "tracking_peak": "position",
+    }
+)
+"""The figures of a survey that can be required, each with what it is measured in."""
+
+OF_MOVES = (
+    "duration",
+    "settling",
+    "load_settling",
+    "peak_error",
+    "peak_load_error",
+    "overshoot",
+    "left_over",
+    "peak_torque",
+    "saturated_time",
+)
+"""Figures that each move has; required by their name alone, the worst of all moves counts."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class Move:
+class Move(Frozen):
     """One move: a signed distance under limits, and the tolerance to which it must settle.
 
     Attributes
@@ -24,6 +88,12 @@ class Move:
         The name of the set of limits.
     settle_to : float
         In rad or m, positive and smaller than the distance.
+    shapers : tuple of InputShaper
+        Put on the planned move, one behind the other.
+    duration : float, optional
+        In s, for the planned move instead of the shortest.
+    round_to : float, optional
+        In s: the planned move lasts a whole multiple of it, such as a sample.
     """
 
     name: str
@@ -31,6 +101,114 @@ class Move:
     bounds: tuple[Bound, ...]
     limits_name: str
     settle_to: float
+    shapers: tuple[InputShaper, ...] = ()
+    duration: float | None = None
+    round_to: float | None = None
+
+    def __post_init__(self) -> None:
+        given = (self.shapers,) if isinstance(self.shapers, InputShaper) else tuple(self.shapers)
+        for shaper in given:
+            of_kind("shapers", shaper, InputShaper, "input_shaper(kind, frequency_hz, damping)")
+        object.__setattr__(self, "shapers", given)
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """A command that goes on: sidereal motion, a scan, a dither.
+
+    Attributes
+    ----------
+    name : str
+        Unique among its kind.
+    command : Ramp, Sine, Trajectory or a sum of them
+    duration : float
+        In s, from the command's start.
+    after : float
+        In s: errors count from then on. The loop starts at rest, and a command that starts with
+        a velocity throws it off at first.
+    """
+
+    name: str
+    command: Command
+    duration: float
+    after: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "command", as_command(self.command))
+        object.__setattr__(self, "duration", positive("duration", self.duration))
+        if not 0.0 <= real_number("after", self.after) < self.duration:
+            raise ValueError(
+                f"after = {shown(self.after)}: expected a time from 0 to below the duration "
+                f"{self.duration!r}"
+            )
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A bound on a figure of a survey.
+
+    Attributes
+    ----------
+    name : str
+        One of FIGURES; "slew.load_settling" is that of the move, or of the tracking, of this name.
+    least, most : float, optional
+        What it must not be below, and above: in s, rad or m, N m or N, Hz, deg, dB or %.
+
+    Raises
+    ------
+    ValueError
+        For a name of no figure, no bound at all, or bounds that nothing meets.
+    """
+
+    name: str
+    least: float | None = None
+    most: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.figure not in FIGURES:
+            raise ValueError(unknown_figure(self.name))
+        if self.least is None and self.most is None:
+            raise ValueError(f"requirement {self.name!r} bounds nothing: give least=… or most=…")
+        for side in ("least", "most"):
+            bound = getattr(self, side)
+            if bound is not None:
+                object.__setattr__(self, side, real_number(side, bound))
+        low, high = self.bounds
+        if not low <= high:
+            raise ValueError(
+                f"requirement {self.name!r}: nothing is at least {low!r} and at most {high!r}; "
+                "exchange the two"
+            )
+
+    @property
+    def figure(self) -> str:
+        """The figure without the name of a move."""
+        return self.name.rpartition(".")[2]
+
+    @property
+    def owner(self) -> str:
+        """The move or tracking whose figure it is; empty where it is the worst of all."""
+        return self.name.rpartition(".")[0]
+
+    @property
+    def unit(self) -> FigureUnit:
+        """What the figure is measured in."""
+        return FIGURES[self.figure]
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Both bounds, infinite where there is none."""
+        return (
+            -inf if self.least is None else self.least,
+            inf if self.most is None else self.most,
+        )
+
+
+def unknown_figure(name: Any) -> str:
+    """Return what to say of a requirement of no figure."""
+    near = get_close_matches(str(name).rpartition(".")[2], FIGURES, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"requirement {name!r} is of no figure: {hint}There are {', '.join(FIGURES)}"
 
 
 @dataclass(frozen=True)
