@@ -1,38 +1,38 @@
-"""The survey of a servo loop (Thompson, Section VII): margins, step, moves, wrong Ĵ."""
+"""The survey of a servo loop: margins, disturbances, moves, limit cycles, what is required."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from math import log
-from types import MappingProxyType
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..plant import (
-    InertiaFeedforward,
-    LoopResponse,
-    ServoLoop,
-    TorqueSteps,
-    Wind,
-)
-from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..plant import ServoLoop, TorqueSteps, Wind
+from ..shaping import JerkFilter
 from ..shaping.drawing import draw
-from ..shaping.frozen import Frozen
-from ..shaping.pieces import FloatArray
-from .frequency_view import residual_vibration
+from .disturbed import (
+    DisturbanceStep,
+    ErrorSource,
+    TrackingSurvey,
+    disturbance_step,
+    error_budget,
+    tracking_survey,
+)
+from .limit_cycles import LimitCycles, limit_cycles, shown_cycles
 from .margins import LoopMargins, loop_margins
-from .margins.result import shown_intervals
-from .sampling import Clock, clock_for, followed, thinned
+from .margins.result import shown_intervals, worst_pole
+from .peak_gain import PeakGain, peak_gain
+from .requirement_checks import RequirementCheck, requirement_checks
 from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
-from .step_response import KEPT, StepResponse, step_response
+from .step_response import StepResponse, step_response
+from .surveyed_loop import compared_loops, decaying_poles, is_ideal
+from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Poles = NDArray[np.complex128]
+__all__ = ["MoveResponse", "MoveSurvey", "Survey", "UnstableLoopError", "survey"]
+
+_NO_GAIN = PeakGain(float("nan"), float("nan"))
 
 
 class UnstableLoopError(ValueError):
@@ -59,48 +59,34 @@ class SpecificationCheck:
         return abs(self.achieved - self.asked) <= 1e-3 * abs(self.asked)
 
 
-@dataclass(frozen=True, eq=False)
-class MoveResponse:
-    """One response to a move, with its figures in SI units."""
-
-    name: str
-    response: LoopResponse
-    settling_time_s: float
-    peak_error: float
-    peak_torque: float
-    overshoot: float
-
-
-@dataclass(frozen=True, eq=False)
-class MoveSurvey(Frozen):
-    """A move, shaped, filtered and run through the loop.
-
-    `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
-    varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
-    as it is, with its feedforward. `residual_vibration` maps the name of a mode
-    to the amplitude, at the end of the shaped command, of what the command leaves ringing in it.
-    """
-
-    name: str
-    move: Move
-    trajectory: Trajectory
-    responses: Mapping[str, MoveResponse]
-    residual_vibration: Mapping[str, float]
-
-    @property
-    def duration_s(self) -> float:
-        """Duration of the shaped command, before the filter."""
-        return self.trajectory.duration
-
-    @property
-    def configured(self) -> MoveResponse:
-        """The response with the loop's own feedforward."""
-        return self.responses["with feedforward"]
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Survey:
-    """Everything that the survey of a loop found, in SI units."""
+    """Everything that the survey of a loop found, in SI units.
+
+    Attributes
+    ----------
+    loop : ServoLoop
+    jerk_filter : JerkFilter or None
+    margins : LoopMargins
+        With delay and sampling as they are, of the linear part; peaks of S and T among them.
+    compliance, noise_gain : PeakGain
+        Peaks of PS, position per disturbing torque, and CS, torque per measured position; nan of
+        a continuous loop with two encoders, which has no one plant and controller.
+    checks : tuple of SpecificationCheck
+    step : StepResponse
+        Of the linear part.
+    moves : tuple of MoveSurvey
+    disturbance : DisturbanceStep or None
+        Where a torque step was given.
+    budget : tuple of ErrorSource
+    limit_cycles : LimitCycles or None
+        Of a loop with friction or resolution.
+    tracking : tuple of TrackingSurvey
+    modes : tuple of Mode
+        Those that the commands alone are held against, in open loop.
+    requirements : tuple of RequirementCheck
+    labels : Labels
+    """
 
     loop: ServoLoop
     jerk_filter: JerkFilter | None
@@ -109,6 +95,19 @@ class Survey:
     step: StepResponse
     moves: tuple[MoveSurvey, ...]
     labels: Labels = field(default_factory=Labels)
+    compliance: PeakGain = _NO_GAIN
+    noise_gain: PeakGain = _NO_GAIN
+    disturbance: DisturbanceStep | None = None
+    budget: tuple[ErrorSource, ...] = ()
+    limit_cycles: LimitCycles | None = None
+    tracking: tuple[TrackingSurvey, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    requirements: tuple[RequirementCheck, ...] = ()
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether the loop is a rigid inertia under a continuous PID, without any limit."""
+        return is_ideal(self.loop)
 
     @property
     def missed(self) -> str:
@@ -123,8 +122,25 @@ class Survey:
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """Plain sentences on what does not meet its specification."""
-        return (f"The gains miss their specifications: {self.missed}.",) if self.missed else ()
+        """Plain sentences on what does not meet its specification or a requirement."""
+        missed = f"The gains miss their specifications: {self.missed}."
+        return ((missed,) if self.missed else ()) + self.unmet
+
+    @property
+    def unmet(self) -> tuple[str, ...]:
+        """A sentence on each requirement that is not met."""
+        lines = []
+        for check in self.requirements:
+            asked, achieved, verdict = check.shown(self.labels)
+            if not check.met:
+                name = check.requirement.name
+                lines.append(f"Required {name} {asked} is {achieved}: {verdict}.")
+        return tuple(lines)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on what is idealised, where, and on limit cycles."""
+        return tuple(_notes(self))
 
     def plot(self) -> Figure:
         """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
@@ -149,6 +165,10 @@ def survey(
 ) -> Survey:
     """Survey a servo loop: its margins, step response, and what it makes of moves.
 
+    Margins and frequency curves are those of the linear part, delay and sampling as they are;
+    moves, tracking, the torque step and the standstill are simulated with friction, limit and
+    resolution, exactly.
+
     Parameters
     ----------
     loop : ServoLoop
@@ -156,13 +176,24 @@ def survey(
     moves : sequence of Move
         In rad or m.
     jerk_filter : JerkFilter, optional
-        Behind the shaper.
+        Behind the shaper, in front of a continuous, linear loop.
     modes : sequence of Mode, optional
-        What the moves must not leave ringing.
+        What the commands alone must not leave ringing, in open loop. Those of the plant belong
+        to the `Axis`: the loop then shows what it leaves of them.
     specification : Specification, optional
         What the loop is to achieve.
+    wind : Wind, optional
+        For the error budget.
+    encoder_noise : float, optional
+        Standard deviation of each sample of a digital controller, for the error budget.
+    torque_step : float or TorqueSteps, optional
+        A torque on the load, or steps, against which the loop holds its position.
+    tracking : sequence of Tracking, optional
+        Commands that go on.
+    requirements : sequence of Requirement, optional
+        Bounds on figures.
     inertia_error : float, optional
-        The fraction by which Ĵ is varied.
+        The fraction by which Ĵ, the feedforward of the acceleration, is varied.
     labels : Labels, optional
         How the results are told. Default: without a title, in rad.
 
@@ -175,32 +206,107 @@ def survey(
     UnstableLoopError
         Where the closed loop is unstable.
     ValueError
-        Where a move cannot be planned or driven.
+        Where a move cannot be planned or driven, a tracking command cannot be followed, or a
+        requirement is of what there is not.
 
     References
     ----------
     Thompson, "Snap, Crackle, and Pop", Section VII.
+
+    Examples
+    --------
+    >>> from jounce.plant import Axis, Controller, FlexibleMode, InertiaFeedforward, PID
+    >>> axis = Axis(1.0, modes=[FlexibleMode(20.0, 0.01, load_fraction=0.3)], torque_limit=4.0)
+    >>> controller = Controller(PID(1.0, 1.0, 2.0), sample_time=1e-3, delay=1.5e-3)
+    >>> there = Move(
+    ...     name="there", distance=3.0, bounds=(1.0, 2.0, 9.0), limits_name="axis", settle_to=1e-3
+    ... )
+    >>> asked = Requirement("load_settling", most=4.5)
+    >>> loop = ServoLoop(axis, controller, InertiaFeedforward(1.0))
+    >>> found = survey(loop, [there], requirements=[asked])
+    >>> found.requirements[0].met, round(found.moves[0].configured.load_settling_time_s, 2)
+    (True, 3.85)
     """
-    margins = loop_margins(loop.loop_transfer())
+    margins = loop_margins(loop)
     if not margins.stable:
-        worst = max(margins.closed_loop_poles, key=lambda pole: pole.real)
-        gains = shown_intervals(margins.stabilizing_gains)
-        remedy = f"by a common factor {gains}" if margins.stabilizing_gains else "one by one"
-        raise UnstableLoopError(
-            f"the closed loop is UNSTABLE, with a pole at {worst:.4g} rad/s; "
-            f"there are no margins to report. Change the gains {remedy}"
-        )
-    poles = margins.closed_loop_poles
-    variants = _variants(loop, inertia_error)
-    return Survey(
+        raise UnstableLoopError(_unstable(margins))
+    poles = decaying_poles(margins)
+    loops = compared_loops(loop, inertia_error)
+    compliance, noise_gain = _peaks(loop)
+    found = Survey(
         loop=loop,
         jerk_filter=jerk_filter,
         margins=margins,
+        compliance=compliance,
+        noise_gain=noise_gain,
         checks=_specification_checks(specification, margins),
         step=step_response(loop, poles),
-        moves=tuple(_move(move, variants, jerk_filter, modes, poles) for move in moves),
+        moves=tuple(
+            move_survey(move, loops, poles, jerk_filter=jerk_filter, modes=modes) for move in moves
+        ),
+        disturbance=None if torque_step is None else disturbance_step(loop, torque_step, poles),
+        budget=error_budget(loop, wind, encoder_noise, poles),
+        limit_cycles=limit_cycles(loop, margins, poles),
+        tracking=tuple(tracking_survey(loop, each) for each in tracking),
+        modes=tuple(modes),
         labels=labels or Labels(),
     )
+    return replace(found, requirements=requirement_checks(found, requirements))
+
+
+def _unstable(margins: LoopMargins) -> str:
+    gains = shown_intervals(margins.stabilizing_gains)
+    remedy = f"by a common factor {gains}" if margins.stabilizing_gains else "one by one"
+    return (
+        f"the closed loop is UNSTABLE, with a pole at {worst_pole(margins)}; "
+        f"there are no margins to report. Change the gains {remedy}"
+    )
+
+
+def _peaks(loop: ServoLoop) -> tuple[PeakGain, PeakGain]:
+    """Return the peaks of PS and CS."""
+    if loop.axis.sensor == "both" and not loop.is_digital:
+        return _NO_GAIN, _NO_GAIN
+    curves = loop.sensitivity()
+    return peak_gain(curves.PS), peak_gain(curves.CS)
+
+
+def _notes(survey: Survey) -> Iterator[str]:
+    """Yield what is idealised on the page, where it concerns this loop."""
+    labels, axis = survey.labels, survey.loop.axis
+    if survey.is_ideal and survey.modes:
+        yield (
+            "The moves are those of a rigid axis without limit: modes take no part in their times "
+            "and errors. What the commands alone leave ringing in them, in open loop, stands "
+            "apart; give modes to the axis for what the loop leaves."
+        )
+    if survey.is_ideal:
+        yield from _beyond_tolerance(survey)
+        return
+    if axis.is_nonlinear:
+        yield (
+            "Margins, S, T, PS, CS, unit step and error budget are those of the linear part: "
+            "without friction, limit and resolution. Moves, tracking, torque step and standstill "
+            "are simulated with them."
+        )
+    if axis.encoder_step and not survey.loop.is_digital:
+        yield "A continuous controller does not see the encoder's resolution: give a sample time."
+    if survey.limit_cycles is not None:
+        yield from shown_cycles(survey.limit_cycles, labels.position_unit, labels.position_scale)
+
+
+def _beyond_tolerance(survey: Survey) -> Iterator[str]:
+    """Yield the modes in which a command leaves more than the move's tolerance."""
+    unit, scale = survey.labels.position_unit, survey.labels.position_scale
+    for move in survey.moves:
+        for mode, left in move.residual_vibration.items():
+            ratio = left / move.move.settle_to
+            if ratio > 1.0:
+                yield (
+                    f"Move {move.name}: its command leaves {left / scale:.3g} {unit} ringing in "
+                    f"{mode}, {ratio:.3g} times the tolerance: the load settles later than the "
+                    "rigid axis does."
+                )
 
 
 def _specification_checks(
@@ -214,85 +320,4 @@ def _specification_checks(
         SpecificationCheck(
             "lower gain margin", "dB", asked.lower_gain_margin_db, margins.lower_gain_margin_db
         ),
-    )
-
-
-def _move(
-    move: Move,
-    variants: Mapping[str, ServoLoop],
-    jerk_filter: JerkFilter | None,
-    modes: Sequence[Mode],
-    poles: Poles,
-) -> MoveSurvey:
-    try:
-        trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds))
-        clock = _move_clock(trajectory, jerk_filter, move, poles)
-        responses = {}
-        for name, varied in variants.items():
-
-            def respond(dt: float, duration: float, loop: ServoLoop = varied) -> LoopResponse:
-                return loop.respond(trajectory, dt, duration=duration, jerk_filter=jerk_filter)
-
-            responses[name] = _follow(name, respond, clock, move)
-        residual = {mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in modes}
-    except ValueError as error:
-        raise ValueError(f"move {move.name!r}: {error}") from None
-    return MoveSurvey(
-        move.name, move, trajectory, MappingProxyType(responses), MappingProxyType(residual)
-    )
-
-
-def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: Mode) -> float:
-    try:
-        return float(
-            residual_vibration(trajectory, mode.frequency_hz, mode.damping, jerk_filter=jerk_filter)
-        )
-    except ValueError as error:
-        raise ValueError(f"mode {mode.name!r}: {error}") from None
-
-
-def _variants(loop: ServoLoop, error: float) -> dict[str, ServoLoop]:
-    """Return the loop with each of the feedforwards that are compared, by name."""
-    j_hat = 0.0 if loop.feedforward is None else loop.feedforward.J_hat
-    inertias = {
-        "without feedforward": 0.0,
-        "with feedforward": j_hat,
-        f"Ĵ {100 * error:+.4g} %": j_hat * (1.0 + error),
-        f"Ĵ {-100 * error:+.4g} %": j_hat * (1.0 - error),
-    }
-    return {
-        name: ServoLoop(loop.plant, loop.controller, InertiaFeedforward(inertia))
-        for name, inertia in inertias.items()
-    }
-
-
-def _move_clock(
-    trajectory: Trajectory, jerk_filter: JerkFilter | None, move: Move, poles: Poles
-) -> Clock:
-    """Return how to sample a move: until every mode is 1e-2 of the settling tolerance."""
-    decay = log(100.0 * abs(move.distance) / move.settle_to)
-    lead = trajectory.duration
-    if jerk_filter is not None:
-        lead += jerk_filter.settling_time(0.01 * move.settle_to / abs(move.distance))
-        poles = np.append(poles, -jerk_filter.omega)
-    return clock_for(poles, decay, lead=lead, quickest=trajectory.duration / 20.0)
-
-
-def _follow(
-    name: str, respond: Callable[[float, float], LoopResponse], clock: Clock, move: Move
-) -> MoveResponse:
-    def arrays(dt: float, duration: float) -> tuple[FloatArray, ...]:
-        response = respond(dt, duration)
-        return response.time, response.inputs, response.outputs, response.states
-
-    samples = followed(arrays, clock)
-    full = LoopResponse(*samples)
-    beyond = (full.position - move.distance) * np.sign(move.distance)
-    return MoveResponse(
-        name,
-        LoopResponse(*thinned(samples, KEPT)),
-        settling_time_s=full.settling_time(move.distance, move.settle_to),
-        peak_error=float(np.abs(full.error).max()),
-        peak_torque=float(np.abs(full.torque).max()),
-        overshoot=max(float(beyond.max()), 0.0),
     )

@@ -248,3 +248,32 @@ class Labels:
     motion: Literal["angle", "length"] = "angle"
     position_unit: str = "rad"
     position_scale: float = 1.0
+
+    @property
+    def torque_unit(self) -> str:
+        """N m of an angle, N of a length."""
+        return "N m" if self.motion == "angle" else "N"
+
+    @property
+    def torque_name(self) -> str:
+        """Torque of an angle, force of a length."""
+        return "torque" if self.motion == "angle" else "force"
+
+    def unit_of(self, kind: FigureUnit) -> tuple[str, float]:
+        """Return the unit in which a figure is shown, and its value in SI units."""
+        if kind == "position":
+            return self.position_unit, self.position_scale
+        if kind == "compliance":
+            torque = f"({self.torque_unit})" if " " in self.torque_unit else self.torque_unit
+            return f"{self.position_unit}/{torque}", self.position_scale
+        return (self.torque_unit if kind == "torque" else _UNITS[kind]), 1.0
+
+
+_UNITS = {
+    "time": "s",
+    "frequency": "Hz",
+    "angle": "deg",
+    "decibel": "dB",
+    "percent": "%",
+    "ratio": "",
+}

@@ -8,15 +8,17 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from ..plant import ServoLoop, respond
+from ..plant import Ramp, ServoLoop, respond
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.trajectory import point
 from .sampling import clock_for, followed, thinned
+from .surveyed_loop import followed_until, linear_part
 
 KEPT = 50_000
 """Samples kept of a response, of all those that its figures are taken from."""
 
+_PER_SAMPLE = 10
 _DECAY = log(1e5)  # every mode is followed until this much of it has died away
 
 
@@ -36,25 +38,20 @@ class StepResponse(Frozen):
 
 
 def step_response(loop: ServoLoop, poles: NDArray[np.complex128]) -> StepResponse:
-    """Return the response of a stable loop, without its feedforward, to a unit step.
+    """Return the response of a stable loop's linear part, without feedforward, to a unit step.
 
     Parameters
     ----------
     loop : ServoLoop
     poles : (n,) complex array
-        Its closed-loop poles.
+        Its closed-loop poles in rad/s.
 
     Notes
     -----
-    Exact at the samples. Overshoot to 1e-5 of the step; times to 1 % of the fastest mode's.
+    Exact at the samples. Overshoot to 1e-5 of the step; times to 1 % of the fastest mode's, of a
+    digital loop to a hundredth of its sample.
     """
-    closed = ServoLoop(loop.plant, loop.controller).closed_loop()
-
-    def respond_to_step(dt: float, duration: float) -> tuple[FloatArray, ...]:
-        response = respond(closed, point(1.0, 1), dt, duration=duration)
-        return np.asarray(response.time), np.asarray(response.outputs)
-
-    samples = followed(respond_to_step, clock_for(poles, _DECAY))
+    samples = _sampled_step(loop, poles) if loop.is_digital else _continuous_step(loop, poles)
     time, position = samples
     peak_time, peak = _vertex(time, position)
     outside = np.flatnonzero(np.abs(position - 1.0) > 0.02)
@@ -67,6 +64,25 @@ def step_response(loop: ServoLoop, poles: NDArray[np.complex128]) -> StepRespons
         rise_time_s=_first_reach(time, position, 0.9) - _first_reach(time, position, 0.1),
         settling_time_s=float(time[min(outside[-1] + 1, time.size - 1)]) if outside.size else 0.0,
     )
+
+
+def _continuous_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
+    closed = ServoLoop(loop.plant, loop.controller).closed_loop()
+
+    def respond_to_step(dt: float, duration: float) -> tuple[FloatArray, ...]:
+        response = respond(closed, point(1.0, 1), dt, duration=duration)
+        return np.asarray(response.time), np.asarray(response.outputs)
+
+    return followed(respond_to_step, clock_for(poles, _DECAY))
+
+
+def _sampled_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
+    duration = followed_until(loop, poles, _DECAY)
+    step = float(loop.controller_noun.sample_time or 1.0)
+    count = int(min(_PER_SAMPLE * duration / step, KEPT))
+    times = np.linspace(0.0, duration, count + 1)
+    response = linear_part(loop).respond(Ramp(0.0, 1.0), times=times, start=0.0)
+    return times, response.position
 
 
 def _vertex(time: FloatArray, values: FloatArray) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...plant import ServoLoop
 from ...shaping.checks import finite
 from .bandwidth import bandwidth
 from .batch_crossings import OnePieces, Pieces, pieces_of
@@ -42,7 +43,7 @@ _SILENT = {
 
 
 def loop_margins(
-    system: "control.StateSpace | control.TransferFunction", *, delay: float = 0.0
+    system: "control.StateSpace | control.TransferFunction | ServoLoop", *, delay: float = 0.0
 ) -> LoopMargins:
     """Return the margins of the unity negative-feedback loop around `system`.
 
@@ -54,10 +55,11 @@ def loop_margins(
 
     Parameters
     ----------
-    system : control.StateSpace or control.TransferFunction
-        Open-loop transfer, one input, one output: G(s) in rad/s, where an ideal (improper)
-        transfer function is accepted without a delay, or L(z) with its sampling time in seconds,
-        such as `ServoLoop.sampled_loop_transfer` gives.
+    system : control.StateSpace, control.TransferFunction or ServoLoop
+        A servo loop is taken with its `loop_transfer()`: L(z) of a digital controller, sampling
+        and delay as they are. An open-loop transfer has one input and one output: G(s) in rad/s,
+        where an ideal (improper) transfer function is accepted without a delay, or L(z) with its
+        sampling time in seconds, such as `ServoLoop.sampled_loop_transfer` gives.
     delay : float, optional
         Pure delay in seconds behind a system in continuous time, taken as it is, without a Padé
         approximation. A discrete loop has its delay in L(z).
@@ -70,7 +72,7 @@ def loop_margins(
     Raises
     ------
     TypeError
-        If `system` is neither of the two types.
+        If `system` is none of these types.
     ValueError
         If `system` has several inputs or outputs, coefficients that are not finite, no sampling
         time although it is discrete, or, discrete or behind a delay, more zeros than poles; if
@@ -110,6 +112,8 @@ def loop_margins(
     >>> [(round(low, 4), high) for low, high in unstable.stabilizing_gains]
     [(1.3571, inf)]
     """
+    if isinstance(system, ServoLoop):
+        system = system.loop_transfer()
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))
     if not loop.gain:
@@ -123,8 +127,9 @@ def _validate(system: Any) -> None:
 
     if not isinstance(system, control.StateSpace | control.TransferFunction):
         raise TypeError(
-            f"system is a {type(system).__name__}; loop_margins takes a control.StateSpace or "
-            "control.TransferFunction: convert it with control.ss or control.tf"
+            f"system is a {type(system).__name__}; loop_margins takes a ServoLoop, a "
+            "control.StateSpace or a control.TransferFunction: convert it with control.ss or "
+            "control.tf"
         )
     if (system.noutputs, system.ninputs) != (1, 1):
         raise ValueError(

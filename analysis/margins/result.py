@@ -167,9 +167,10 @@ def _stabilizing_lines(margins: LoopMargins) -> list[str]:
 def _unstable_summary(margins: LoopMargins) -> str:
     crossovers = ", ".join(f"{hz:.4g}" for hz in margins.crossovers_hz) or "none"
     lines = [f"gain crossovers (Hz): {crossovers}", *_stabilizing_lines(margins)]
-    return "\n".join([f"UNSTABLE: closed-loop pole at {_worst_pole(margins)}", *lines])
+    return "\n".join([f"UNSTABLE: closed-loop pole at {worst_pole(margins)}", *lines])
 
 
-def _worst_pole(margins: LoopMargins) -> str:
+def worst_pole(margins: LoopMargins) -> str:
+    """Return the slowest closed-loop pole for reading, of a discrete loop as z."""
     pole = complex(margins.closed_loop_poles[0]) + 0.0
     return f"{pole:.4g} rad/s" if margins.dt is None else f"z = {pole:.4g}"

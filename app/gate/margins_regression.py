@@ -70,7 +70,8 @@ class MarginsRegression:
             An open loop L(s) or a servo loop, whose margins are kept; or a Survey, a Scenario
             or the path of a scenario file, of which every number is kept.
         delay : float, optional
-            Pure delay in seconds behind an open loop or a servo loop, as `loop_margins` takes it.
+            Pure delay in seconds behind an open loop or a continuous servo loop, as `loop_margins`
+            takes it; a digital controller has its own.
         rtol : float, optional
             Relative tolerance of every number. Default: the file's, 1e-6 where it is new.
         basename : str, optional
@@ -139,8 +140,7 @@ def _measured(loop: Checked, delay: float) -> tuple[tuple[Number, ...], str | No
 def _margins(loop: Any, delay: float) -> LoopMargins:
     if isinstance(loop, LoopMargins):
         return loop
-    system = loop.loop_transfer() if isinstance(loop, ServoLoop) else loop
-    return loop_margins(system, delay=delay)
+    return loop_margins(loop, delay=delay)
 
 
 def _compare(

@@ -1,0 +1,152 @@
+"""What disturbs a loop: a step of torque, wind, noise and resolution, friction at a reversal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log, nan, sqrt
+from typing import Literal
+
+import numpy as np
+
+from ..plant import LoopResponse, Ramp, ServoLoop, TorqueSteps, Wind
+from ..shaping.checks import finite
+from .specification import Tracking
+from .surveyed_loop import Poles, followed_until, linear_part, shown_times
+
+_RECOVERED = 0.1  # of the peak
+_DECAY = log(1e6)
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbanceStep:
+    """The loop's response to steps of torque, its command still.
+
+    Attributes
+    ----------
+    torque : float
+        Sum of the steps.
+    on : {"motor", "load"}
+    response : LoopResponse
+    peak : float
+        Largest deviation of the load.
+    recovery_time_s : float
+        After which the load stays within a tenth of that; infinite where it does not, such as
+        behind a spring that the motor's sensor does not see.
+    """
+
+    torque: float
+    on: Literal["motor", "load"]
+    response: LoopResponse
+    peak: float
+    recovery_time_s: float
+
+
+@dataclass(frozen=True)
+class ErrorSource:
+    """One line of the error budget.
+
+    Attributes
+    ----------
+    name : str
+    kind : {"random", "deterministic"}
+        A standard deviation, or a peak, which is no part of the sum of squares.
+    load : float
+        Of the load's position.
+    torque : float
+        Of the torque command; nan where it is not told.
+    remark : str
+        What is supposed.
+    """
+
+    name: str
+    kind: Literal["random", "deterministic"]
+    load: float
+    torque: float
+    remark: str
+
+
+@dataclass(frozen=True, eq=False)
+class TrackingSurvey:
+    """How a loop, as it is, follows a command that goes on; errors are those of the load."""
+
+    name: str
+    tracking: Tracking
+    response: LoopResponse
+    rms_error: float
+    peak_error: float
+    slips: int
+
+
+def disturbance_step(loop: ServoLoop, torque: float | TorqueSteps, poles: Poles) -> DisturbanceStep:
+    """Return the response of a loop as it is, at rest, to a torque on its load, or to steps."""
+    steps = torque if isinstance(torque, TorqueSteps) else _step(torque, "load")
+    lead = float(steps.times[-1])
+    duration = followed_until(loop, poles, _DECAY, lead)
+    response = loop.respond(Ramp(0.0), times=shown_times(0.0, lead, duration), disturbance=steps)
+    peak = response.peak_load_error
+    recovery = response.settling_time(0.0, _RECOVERED * peak, of="load") if peak else 0.0
+    return DisturbanceStep(float(steps.torques.sum()), steps.on, response, peak, recovery)
+
+
+def error_budget(
+    loop: ServoLoop, wind: Wind | None, encoder_noise: float, poles: Poles
+) -> tuple[ErrorSource, ...]:
+    """Return what each source of error does to the loop."""
+    found = []
+    if wind is not None:
+        of_wind = loop.deviations(wind)
+        remark = f"{wind.kind}, {wind.sigma:.4g} rms on the {wind.on}"
+        found.append(ErrorSource("wind", "random", of_wind.load, of_wind.torque, remark))
+    if encoder_noise:
+        of_noise = loop.deviations(encoder_noise=encoder_noise)
+        remark = "white, fresh at each sample"
+        found.append(ErrorSource("encoder noise", "random", of_noise.load, of_noise.torque, remark))
+    step = loop.axis.encoder_step
+    if step and loop.is_digital:
+        coarse = loop.deviations(encoder_noise=step / sqrt(12.0))
+        remark = "as white noise of q/√12: fair where it moves by more than q in a sample"
+        found.append(ErrorSource("quantisation", "random", coarse.load, coarse.torque, remark))
+    if loop.axis.friction is not None:
+        remark = "peak: its torque turns by twice Coulomb's in the linear loop"
+        spike = friction_spike(loop, poles)
+        found.append(ErrorSource("friction at a reversal", "deterministic", spike, nan, remark))
+    return tuple(found)
+
+
+def total_of(sources: Sequence[ErrorSource]) -> tuple[float, float]:
+    """Return the standard deviations of load and torque of all random sources together."""
+    random = [source for source in sources if source.kind == "random"]
+    load = sqrt(sum(source.load**2 for source in random))
+    return load, sqrt(sum(source.torque**2 for source in random))
+
+
+def friction_spike(loop: ServoLoop, poles: Poles) -> float:
+    """Return the peak of the load's error when Coulomb friction turns, of the linear loop."""
+    friction = loop.axis.friction
+    if friction is None or not friction.coulomb:
+        return 0.0
+    turn = _step(2.0 * friction.coulomb, "motor")
+    return disturbance_step(linear_part(loop), turn, poles).peak
+
+
+def _step(torque: float, on: Literal["motor", "load"]) -> TorqueSteps:
+    return TorqueSteps(np.zeros(1), np.array([finite("torque_step", torque)]), on=on)
+
+
+def tracking_survey(loop: ServoLoop, tracking: Tracking) -> TrackingSurvey:
+    """Return how a loop follows a command; ValueError, with its name, if it cannot."""
+    command = tracking.command
+    begin = getattr(command, "start_time", 0.0)
+    try:
+        times = shown_times(begin, 0.0, tracking.duration)
+        response = loop.respond(command, times=times)
+    except ValueError as error:
+        raise ValueError(f"tracking {tracking.name!r}: {error}") from None
+    low, high = response.extremes(after=tracking.after)
+    counted = begin + tracking.after
+    slips = sum(to != 0 for at, _, to in response.friction_events if at >= counted)
+    rms = response.rms_error(after=tracking.after)
+    return TrackingSurvey(
+        tracking.name, tracking, response, rms, float(np.maximum(high, -low)), slips
+    )

@@ -1,0 +1,220 @@
+"""A move as a loop makes it: planned, shaped, run through the loop, with its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, log, nan
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ..plant import LoopResponse, ServoLoop
+from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping.frozen import Frozen
+from ..shaping.pieces import FloatArray
+from .frequency_view import residual_vibration
+from .sampling import clock_for, followed, thinned
+from .specification import Mode, Move
+from .step_response import KEPT
+from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
+
+
+@dataclass(frozen=True, eq=False)
+class MoveResponse:
+    """One response to a move, with its figures in SI units.
+
+    Attributes
+    ----------
+    name : str
+    response : LoopResponse
+        On times for a picture; the figures are exact, or of finer samples.
+    settling_time_s : float
+        After which the measured position stays within the tolerance of its target; infinite
+        where it does not within the time for which it is followed.
+    peak_error : float
+        Largest error r − y of the measured position.
+    peak_torque : float
+        Largest torque that the drive is asked for, within its limit.
+    overshoot : float
+        By how much the measured position passes its target.
+    load_settling_time_s, peak_load_error : float
+        The same of the load.
+    left_over : float
+        Largest |r − load| once the command has ended: what is left ringing, and creeping, in
+        closed loop.
+    saturated_time_s : float
+        Time at the torque limit.
+    next_breakaway_s : float
+        When a motor that sticks at the end of the response breaks away, were the command to
+        stand still on: infinite where it never does, nan without friction.
+    """
+
+    name: str
+    response: LoopResponse
+    settling_time_s: float
+    peak_error: float
+    peak_torque: float
+    overshoot: float
+    load_settling_time_s: float
+    peak_load_error: float
+    left_over: float
+    saturated_time_s: float = 0.0
+    next_breakaway_s: float = nan
+
+
+@dataclass(frozen=True, eq=False)
+class MoveSurvey(Frozen):
+    """A move, shaped, filtered and run through the loop.
+
+    `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
+    varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
+    as it is, with its feedforward. `residual_vibration` maps the name of a mode
+    to the amplitude, at the end of the shaped command, of what the command alone, without a
+    loop, leaves ringing in it.
+    """
+
+    name: str
+    move: Move
+    trajectory: Trajectory
+    responses: Mapping[str, MoveResponse]
+    residual_vibration: Mapping[str, float]
+
+    @property
+    def duration_s(self) -> float:
+        """Duration of the shaped command, before the filter."""
+        return self.trajectory.duration
+
+    @property
+    def configured(self) -> MoveResponse:
+        """The response with the loop's own feedforward."""
+        return self.responses["with feedforward"]
+
+
+def planned(move: Move) -> Trajectory:
+    """Return the command of a move, behind its shapers."""
+    timing: dict[str, Any] = {"duration": move.duration, "round_to": move.round_to}
+    asked = {name: value for name, value in timing.items() if value is not None}
+    trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds), **asked)
+    for shaper in move.shapers:
+        trajectory = shaper.shape(trajectory)
+    return trajectory
+
+
+def move_survey(
+    move: Move,
+    loops: Mapping[str, ServoLoop],
+    poles: Poles,
+    *,
+    jerk_filter: JerkFilter | None,
+    modes: Sequence[Mode],
+) -> MoveSurvey:
+    """Return a move run through each of the loops; ValueError, with its name, if it cannot be."""
+    try:
+        trajectory = planned(move)
+        responses = {
+            name: _response(name, loop, trajectory, move, poles, jerk_filter)
+            for name, loop in loops.items()
+        }
+        residual = {mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in modes}
+    except ValueError as error:
+        raise ValueError(f"move {move.name!r}: {error}") from None
+    return MoveSurvey(
+        move.name, move, trajectory, MappingProxyType(responses), MappingProxyType(residual)
+    )
+
+
+def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: Mode) -> float:
+    try:
+        return float(
+            residual_vibration(trajectory, mode.frequency_hz, mode.damping, jerk_filter=jerk_filter)
+        )
+    except ValueError as error:
+        raise ValueError(f"mode {mode.name!r}: {error}") from None
+
+
+def _response(
+    name: str,
+    loop: ServoLoop,
+    trajectory: Trajectory,
+    move: Move,
+    poles: Poles,
+    jerk_filter: JerkFilter | None,
+) -> MoveResponse:
+    if jerk_filter is not None or is_ideal(loop):
+        return _on_a_grid(name, loop, trajectory, move, poles, jerk_filter)
+    return _exactly(name, loop, trajectory, move, poles)
+
+
+def _exactly(
+    name: str, loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
+) -> MoveResponse:
+    lead = trajectory.duration
+    duration = followed_until(loop, poles, _decay(move), lead)
+    times = shown_times(trajectory.start_time, lead, duration)
+    found = loop.respond(trajectory, times=times)
+    way, tolerance = float(np.sign(move.distance)), move.settle_to
+    low, high = found.extremes(move.distance, of="position")
+    left = found.extremes(after=lead)
+    return MoveResponse(
+        name,
+        found,
+        settling_time_s=found.settling_time(move.distance, tolerance, of="position"),
+        peak_error=found.peak_error,
+        peak_torque=found.peak_torque,
+        overshoot=max(high if way > 0.0 else -low, 0.0),
+        load_settling_time_s=found.settling_time(move.distance, tolerance, of="load"),
+        peak_load_error=found.peak_load_error,
+        left_over=max(left[1], -left[0]),
+        saturated_time_s=found.saturated_time if loop.axis.torque_limit < inf else 0.0,
+        next_breakaway_s=nan if loop.axis.friction is None else found.next_breakaway,
+    )
+
+
+def _decay(move: Move) -> float:
+    """Return how far modes are followed: to 1e-2 of the settling tolerance."""
+    return log(100.0 * abs(move.distance) / move.settle_to)
+
+
+def _on_a_grid(
+    name: str,
+    loop: ServoLoop,
+    trajectory: Trajectory,
+    move: Move,
+    poles: Poles,
+    jerk_filter: JerkFilter | None,
+) -> MoveResponse:
+    """Return the response of a linear loop from fine samples, behind the filter if there is one."""
+    lead = trajectory.duration
+    if jerk_filter is not None:
+        lead += jerk_filter.settling_time(0.01 * move.settle_to / abs(move.distance))
+        poles = np.append(poles, -jerk_filter.omega)
+    quickest = trajectory.duration / 20.0
+    clock = clock_for(poles, _decay(move), lead=lead, quickest=quickest)
+
+    def arrays(dt: float, duration: float) -> tuple[FloatArray, ...]:
+        response = loop.respond(trajectory, dt, duration=duration, jerk_filter=jerk_filter)
+        return response.time, response.inputs, response.outputs, response.states
+
+    samples = followed(arrays, clock)
+    full = LoopResponse(*samples)
+    settling = full.settling_time(move.distance, move.settle_to)
+    beyond = (full.position - move.distance) * np.sign(move.distance)
+    ended = full.time >= full.time[0] + trajectory.duration
+    return MoveResponse(
+        name,
+        LoopResponse(*thinned(samples, KEPT)),
+        settling_time_s=settling,
+        peak_error=float(np.abs(full.error).max()),
+        peak_torque=float(np.abs(full.torque).max()),
+        overshoot=max(float(beyond.max()), 0.0),
+        load_settling_time_s=_load_settling(full, move),
+        peak_load_error=float(np.abs(full.load_error).max()),
+        left_over=float(np.abs(full.load_error[ended]).max(initial=0.0)),
+    )
+
+
+def _load_settling(full: LoopResponse, move: Move) -> float:
+    of_load = LoopResponse(full.time, full.inputs, full.load[None], full.states)
+    return of_load.settling_time(move.distance, move.settle_to)
