@@ -119,7 +119,7 @@ class File(_Section):
     filter: FilterSection | None = None
     limits: dict[str, LimitSet] = Field(min_length=1)
     modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
-    moves: Annotated[tuple[MoveSection, ...], checks.listed("moves", least=1)]
+    moves: Annotated[tuple[MoveSection, ...], Field(min_length=1), checks.listed("moves", least=1)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +189,7 @@ class FileOf2(_Section):
     shaper: ShaperSection | None = None
     limits: dict[str, LimitSet] = Field(min_length=1)
     modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
-    moves: Annotated[tuple[_MoveOf2, ...], checks.listed("moves", least=1)]
+    moves: Annotated[tuple[_MoveOf2, ...], Field(min_length=1), checks.listed("moves", least=1)]
     tracking: Annotated[tuple[TrackingSection, ...], checks.listed("tracking")] = ()
     disturbances: DisturbanceSection = DisturbanceSection()
     requirements: Annotated[tuple[Requirement, ...], REQUIREMENTS] = ()

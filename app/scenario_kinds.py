@@ -109,7 +109,7 @@ TORQUE_CONSTANT = Quantity(
     (_kind("a positive force per current", "N/A", "50", above=0.0),),
 )
 SIDEREAL = math.radians(15.04106717866910 / 3600.0)
-"""The Earth's rotation, in rad/s: a turn in 86164.0905 s."""
+"""The Earth's rotation, in rad/s: a turn in 86164.0989 s."""
 
 _FIGURES = {
     "time": TIME,
