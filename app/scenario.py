@@ -23,7 +23,7 @@ from .scenario_formats import (
     Gains,
     MoveSection,
 )
-from .scenario_messages import Place, problem_line, what_to_write
+from .scenario_messages import Place, lines_of, what_to_write
 from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
 from .scenario_shapers import shapers_of
 from .text_files import read_toml
@@ -156,7 +156,7 @@ def load_scenario(
             return _scenario(path, checked, context, content, tuple(placed.values()))
         except ValueError as error:
             raise ScenarioError(f"{path}: {error}") from None
-    lines = (f"{path}: {_whose(p, placed)}{problem_line(p, number)}" for p in problems)
+    lines = (f"{path}: {_whose(p, placed)}{line}" for p, line in lines_of(problems, number))
     raise ScenarioError("\n".join(lines))
 
 

@@ -106,6 +106,11 @@ class TrackingSection:
             )
         if self.scan is None and self.duration is None:
             raise ValueError('goes on for ever; write duration = "10 s"')
+        if self.duration is not None and self.after >= self.duration:
+            raise ValueError(
+                f"counts errors after {self.after:g} s of {self.duration:g} s; write a longer "
+                "duration or a smaller after"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -186,12 +186,13 @@ def read_settle_to(value: object, info: ValidationInfo) -> float:
     return tolerance
 
 
-def listed(key: str, *, least: int = 0) -> BeforeValidator:
+def listed(key: str, *, least: int = 0, write: str | None = None) -> BeforeValidator:
     """Return a check that refuses what is not a list of moves, or modes, or too short a one."""
 
     def check(value: object) -> object:
         if not isinstance(value, list) or len(value) < least:
-            raise ValueError(f"{show(value)} is not a list of {key}; write {what_to_write(key)}")
+            remedy = what_to_write(key) if write is None else write
+            raise ValueError(f"{show(value)} is not a list of {key}; write {remedy}")
         return value
 
     return BeforeValidator(check)

@@ -35,9 +35,10 @@ INERTIA_KINDS: dict[Motion, tuple[Kind, ...]] = {
     "length": (positive_kind("a positive mass for linear moves", "1 kg"),),
 }
 _COUNTED = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(count|sample)s?\b(.*)", re.DOTALL)
+_PER_SECOND = re.compile(r"^\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*1?\s*/\s*s\s*$")
 _WHERE = {
-    "count": 'encoder_step = "0.1 arcsec" into [plant]',
-    "sample": 'sample_time = "1 ms" into [controller]',
+    "count": 'of an encoder that is not given; write encoder_step = "0.1 arcsec" into [plant]',
+    "sample": 'that are not given; write sample_time = "1 ms" into [controller]',
 }
 
 
@@ -55,6 +56,11 @@ class Context:
     def quantity(self, value: object, kinds: Callable[[Motion], Sequence[Kind]]) -> float:
         """Return a quantity of a kind that fits the file's motions."""
         accepted = list(dict.fromkeys(kind for m in self.motions for kind in kinds(m)))
+        if not accepted:
+            raise UnitError(
+                f"{show(value)} is of a linear axis, and this one turns; write inertia instead, or "
+                "moves in units of length"
+            )
         text = self.plain(value)
         try:
             return parse_any(text, accepted)[0]
@@ -67,12 +73,14 @@ class Context:
 
     def plain(self, value: object) -> object:
         """Return a text with counts of the encoder, or samples, in the unit of what they count."""
-        match = _COUNTED.fullmatch(value) if isinstance(value, str) else None
-        if match is None:
+        if not isinstance(value, str):
             return value
+        match = _COUNTED.fullmatch(value)
+        if match is None:
+            return _PER_SECOND.sub(r"\1 s^-1", value)
         number, word, rest = match.groups()
         if word not in self.counted:
-            raise UnitError(f"{show(value)} counts {word}s; write {_WHERE[word]}, or another unit")
+            raise UnitError(f"{show(value)} is in {word}s {_WHERE[word]}, or another unit")
         of = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", self.counted[word])
         assert of is not None  # it was read as a quantity
         try:

@@ -24,6 +24,7 @@ from .scenario_sections import CascadeSection, ControllerSection, PidSection, Pl
 from .units import FREQUENCY
 
 GainRule = Literal["design", "published", "tune"]
+_NOT_EMPTY = Field(json_schema_extra={"minItems": 1})  # which checks.listed holds
 _DESIGN: Any = "design"  # a word in place of the table that pydantic is told of
 
 
@@ -119,7 +120,7 @@ class File(_Section):
     filter: FilterSection | None = None
     limits: dict[str, LimitSet] = Field(min_length=1)
     modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
-    moves: Annotated[tuple[MoveSection, ...], Field(min_length=1), checks.listed("moves", least=1)]
+    moves: Annotated[tuple[MoveSection, ...], _NOT_EMPTY, checks.listed("moves", least=1)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +190,7 @@ class FileOf2(_Section):
     shaper: ShaperSection | None = None
     limits: dict[str, LimitSet] = Field(min_length=1)
     modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
-    moves: Annotated[tuple[_MoveOf2, ...], Field(min_length=1), checks.listed("moves", least=1)]
+    moves: Annotated[tuple[_MoveOf2, ...], _NOT_EMPTY, checks.listed("moves", least=1)]
     tracking: Annotated[tuple[TrackingSection, ...], checks.listed("tracking")] = ()
     disturbances: DisturbanceSection = DisturbanceSection()
     requirements: Annotated[tuple[Requirement, ...], REQUIREMENTS] = ()

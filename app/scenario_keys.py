@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import PlainValidator, ValidationInfo, WrapValidator
 
-from .units import Kind, Motion, show
+from .units import Kind, Motion, UnitError, show
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -81,7 +81,10 @@ class Quantity:
     def _one(self, value: object, info: ValidationInfo) -> float | str:
         if isinstance(value, str) and value in self.words:
             return value
-        return self.scale * cast("Context", info.context).quantity(value, self.kinds)
+        try:
+            return self.scale * cast("Context", info.context).quantity(value, self.kinds)
+        except UnitError as error:
+            raise UnitError(" or ".join((str(error), *map(repr, self.words)))) from None
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler

@@ -84,7 +84,7 @@ _CURRENT = Kind(name="a positive current", unit="A", example="10 A", above=0.0)
 _SPEED = Kind(name="a positive wind speed", unit="m/s", example="8 m/s", above=0.0)
 _LENGTH = Kind(name="a positive length", unit="m", example="80 m", above=0.0)
 
-MASS = Quantity((_MASS,), (_MASS,))
+MASS = Quantity((), (_MASS,))
 INERTIAS = Quantity((_INERTIA,), (_MASS,), several=True)
 SPRINGS, DAMPERS = (
     Quantity(each.angle, each.length, several=True)

@@ -77,27 +77,31 @@ def controller_of(scenario: Scenario, plant: Inertia | Axis) -> PID | CascadedPI
     if scenario.controller == ControllerSection():
         with _named(scenario, "controller.specification"):
             return _law(scenario, plant, {})
-    section = scenario.controller
-    with _named(scenario, "controller.filters"):
-        run = _run(section)
-    with _named(
-        scenario, "controller.specification" if scenario.gains == "design" else "controller"
-    ):
-        law = _law(scenario, plant, run)
-        windup = _anti_windup(section.anti_windup)
-        whole = Controller(law, **run, anti_windup=windup, discretisation=section.discretisation)
+    section, run = scenario.controller, _run(scenario)
+    law: PID | CascadedPI
+    if scenario.gains == "design":
+        with _named(scenario, "controller.specification"):
+            law = _designed(scenario, plant, run)
+    else:
+        with _named(scenario, "controller.gains"):
+            law = _law(scenario, plant, run)
+    windup = _anti_windup(section.anti_windup)
+    whole = Controller(law, **run, anti_windup=windup, discretisation=section.discretisation)
     return law if whole == Controller(law) else whole
 
 
-def _run(section: ControllerSection) -> dict[str, Any]:
-    """Return how the controller is run, its filters checked."""
-    run = {
-        "filters": tuple(map(_filter, section.filters)),
+def _run(scenario: Scenario) -> dict[str, Any]:
+    """Return how the controller is run, each filter checked."""
+    section, filters = scenario.controller, []
+    for number, given in enumerate(section.filters):
+        with _named(scenario, f"controller.filters[{number}]"):
+            filters.append(_filter(given))
+            Controller(PID(1.0, 0.0, 0.0), filters=filters[-1:], sample_time=section.sample_time)
+    return {
+        "filters": tuple(filters),
         "sample_time": section.sample_time,
         "delay": section.delay,
     }
-    Controller(PID(1.0, 0.0, 0.0), **run)  # type: ignore[arg-type]
-    return run
 
 
 def _law(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID | CascadedPI:
@@ -112,9 +116,18 @@ def _law(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID 
     if gains == "tune":
         bounds = scenario.controller.tune or TuneSection()
         return tune_pid(plant, derivative_filter=filtered, **vars(bounds), **run).pid
+    return _designed(scenario, plant, run)
+
+
+def _designed(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID:
     asked = scenario.specification
     assert asked is not None  # the scenario's own check
-    return design_pid(plant, derivative_filter=filtered, **vars(asked), **run)
+    filtered = scenario.controller.derivative_filter
+    try:
+        return design_pid(plant, derivative_filter=filtered, **vars(asked), **run)
+    except ValueError as error:
+        found = str(error).replace("let analysis.tune_pid find the gains", 'write gains = "tune"')
+        raise ValueError(found) from None
 
 
 def _cascade(gains: CascadeSection, filtered: float) -> CascadedPI:

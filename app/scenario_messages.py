@@ -4,7 +4,7 @@ import difflib
 import json
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from .units import show
@@ -161,16 +161,33 @@ def problem_line(error: Any, number: int = 1) -> str:
     elif kind == "missing":
         problem = f"is missing; write {what_to_write(*section, example=example)}"
     elif kind in ("extra_forbidden", "unexpected_keyword_argument"):
-        known = tuple(_known(section[:-1], example)[1])
-        problem = unknown_key(section[-1], value, known)
-        if number == 1 and section[-1] in _known(section[:-1], EXAMPLE_2)[1]:
-            problem = "is a key of format 2; write format = 2 at the top of the file, or remove it"
+        known = (*_known(section[:-1], example)[1], *["format"] * (section[:-1] == ()))
+        problem = unknown_key(section[-1], value, tuple(dict.fromkeys(known)))
     elif kind in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
         where, problem = _wrong_kind(where, kind, error)
     else:
         shown = "is empty" if value == {} else f"{show(value)} is not a table"
         problem = f"{shown}; write {what_to_write(*section, example=example)}"
     return f"{key_path(_without_kinds(where) if number == 2 else where)}: {problem}"
+
+
+def lines_of(problems: Sequence[Any], number: int) -> Iterator[tuple[Any, str]]:
+    """Yield each problem and its line; keys of format 2 in a file of format 1 share one."""
+    newer = [each for each in problems if number == 1 and _is_of_2(each)]
+    if newer:
+        more = f" and {len(newer) - 1} more" if len(newer) > 1 else ""
+        yield (
+            newer[0],
+            f"{key_path(newer[0]['loc'])}{more}: of format 2; write format = 2 at the top of the "
+            "file",
+        )
+    yield from ((each, problem_line(each, number)) for each in problems if each not in newer)
+
+
+def _is_of_2(error: Any) -> bool:
+    section = tuple(part for part in error["loc"] if isinstance(part, str))
+    unknown = error["type"] in ("extra_forbidden", "unexpected_keyword_argument")
+    return unknown and section[-1] in _known(section[:-1], EXAMPLE_2)[1]
 
 
 def _wrong_kind(where: Place, kind: str, error: Any) -> tuple[Place, str]:

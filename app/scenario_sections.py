@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from . import scenario_kinds as kinds
-from .scenario_checks import GAIN, NAME
+from .scenario_checks import GAIN, NAME, listed
 from .scenario_keys import OrWord, choice, number, numbers
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
@@ -24,6 +24,13 @@ class FrictionSection:
     __pydantic_config__: ClassVar = _CLOSED
     coulomb: Annotated[float, kinds.torque("not below zero")]
     static: Annotated[float | None, kinds.torque("not below zero")] = None
+
+    def __post_init__(self) -> None:
+        if self.static is not None and self.static < self.coulomb:
+            raise ValueError(
+                f"has a static friction of {self.static:g} below coulomb = {self.coulomb:g}; write "
+                "a larger one, or leave it out where the two are equal"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +74,10 @@ class PlantSection:
     viscous: Annotated[float, kinds.gain(1, "viscous friction")] = 0.0
     load_viscous: Annotated[float, kinds.gain(1, "viscous friction")] = 0.0
     spring: Annotated[float, kinds.gain(0, "stiffness")] = 0.0
-    modes: tuple[ModeSection, ...] = ()
+    modes: Annotated[
+        tuple[ModeSection, ...],
+        listed("modes", write="[[plant.modes]] with frequency, damping, load_fraction"),
+    ] = ()
     chain: ChainSection | None = None
     transfer: TransferSection | None = None
     friction: FrictionSection | None = None
@@ -202,7 +212,10 @@ class ControllerSection:
 
     __pydantic_config__: ClassVar = _CLOSED
     derivative_filter: Annotated[float, kinds.TIME] = 0.0
-    filters: tuple[FilterKind, ...] = ()
+    filters: Annotated[
+        tuple[FilterKind, ...],
+        listed("filters", write='[[controller.filters]] with kind = "notch"'),
+    ] = ()
     sample_time: Annotated[float | None, kinds.PERIOD] = None
     delay: Annotated[float, kinds.TIME] = 0.0
     anti_windup: AntiWindupKind = _NONE
