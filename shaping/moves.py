@@ -27,8 +27,10 @@ def min_time_move(
     *,
     start: float = 0.0,
     method: Method = "optimal",
+    duration: float | None = None,
+    round_to: float | None = None,
 ) -> Trajectory:
-    """Return the move from rest to rest within limits in minimum time.
+    """Return the move from rest to rest within limits in minimum time, or in a given one.
 
     Parameters
     ----------
@@ -42,6 +44,12 @@ def min_time_move(
         "closed-form" is the fastest feasible one of: the perfect spline, the recursive S-curve,
         recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves.
         "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
+    duration : float, optional
+        How long the move is to take, the minimum at least. It then cruises at a lower velocity
+        where n is 2 or 3; at other orders the fastest move is slowed down as a whole,
+        x(t) → x(t/c), which divides derivative k by c^k.
+    round_to : float, optional
+        Sample time: the duration is rounded up to a whole number of samples.
 
     Returns
     -------
@@ -52,8 +60,8 @@ def min_time_move(
     ------
     ValueError
         For a distance or start that is not finite, an unknown method, an order above 14, a
-        bound that is missing in the direction that the move needs, or a duration outside the
-        range of a double.
+        bound that is missing in the direction that the move needs, a duration below the minimum,
+        which it names, or one outside the range of a double.
 
     Warns
     -----
@@ -96,8 +104,15 @@ def min_time_move(
     10.079...
     >>> move.peak("jerk")
     1.0
+    >>> min_time_move(32.0, Limits(jerk=1.0), round_to=0.25).duration
+    10.25
     """
     one_of("method", method, ("optimal", "closed-form"))
+    if duration is not None or round_to is not None:
+        from .lasting import move_lasting
+
+        fastest_move = min_time_move(distance, limits, start=start, method=method)
+        return move_lasting(fastest_move, limits, duration, round_to)
     try:
         motion = core.move(distance, limits.flat, start)
     except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below

@@ -8,7 +8,14 @@ from ..limits import Limits
 from .problem import Problem, State, Transfer, check_order, checked_state
 
 
-def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
+def min_time_transfer(
+    start: State,
+    end: State,
+    limits: Limits,
+    *,
+    duration: float | None = None,
+    round_to: float | None = None,
+) -> Transfer:
     """Return the fastest motion from one state to another within limits of order 2 or 3.
 
     Parameters
@@ -21,6 +28,11 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     limits : Limits
         Of order 2 (velocity and acceleration) or 3 (and jerk), each bound the same in both
         directions or not, velocity and acceleration bounded or not.
+    duration : float, optional
+        How long it is to take. What is possible need not be an interval: an axis that moves at
+        its start and end may pass quickly, or turn back and pass again.
+    round_to : float, optional
+        Sample time: the duration is rounded up to a whole number of samples.
 
     Returns
     -------
@@ -36,7 +48,7 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
         value that can be reached.
     ValueError
         For numbers that are not finite, limits of another order, a highest bound in one direction
-        only, or times outside the range of a double.
+        only, a duration that is not possible, or times outside the range of a double.
 
     Notes
     -----
@@ -57,6 +69,10 @@ def min_time_transfer(start: State, end: State, limits: Limits) -> Transfer:
     >>> round(min_time_transfer((0.0, 0.3), 1.0, limits).duration, 10)
     2.2319602829
     """
+    if duration is not None or round_to is not None:
+        from ..lasting import transfer_lasting
+
+        return transfer_lasting(Problem(start, end, limits), duration, round_to)
     try:
         motion = core.transfer(start, end, limits.flat)  # type: ignore[arg-type]
     except (AttributeError, TypeError, ValueError):  # told, or converted, below
