@@ -24,7 +24,8 @@ def transfer_polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
 
     if axis.body is not None and hasattr(axis.body, "system"):
         own = control.tf(axis.body.system)
-        numerator, denominator = own.num_array[0, 0], own.den_array[0, 0]
+        denominator = own.den_array[0, 0]
+        numerator = _without_rounding(own.num_array[0, 0], denominator)
     else:
         numerator, denominator = _polynomials(axis)
     return numerator, np.polymul([axis.current_lag, 1.0], denominator) if (
@@ -49,6 +50,16 @@ def _polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
         if not (axis.viscous or axis.load_viscous):
             below[1] = 0.0
     return np.trim_zeros(above[::-1], "f"), mean * np.trim_zeros(below[::-1], "f")
+
+
+def _without_rounding(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+    """Return a numerator without leading coefficients that are rounding alone."""
+    poles = np.abs(np.roots(denominator))
+    moving = poles[poles > 1e-9 * poles.max(initial=0.0)]
+    unit = float(np.exp(np.log(moving).mean())) if moving.size else 1.0
+    sizes = np.abs(numerator) * unit ** np.arange(len(numerator) - 1.0, -1.0, -1.0)
+    counts = np.flatnonzero(sizes > _NOTHING * sizes.max())
+    return np.asarray(numerator[counts[0] :]) if counts.size else numerator
 
 
 def _unit(*matrices: FloatArray) -> float:

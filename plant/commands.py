@@ -10,7 +10,7 @@ import numpy as np
 
 from ..shaping import Trajectory
 from ..shaping.checks import finite, positive
-from ..shaping.pieces import FloatArray
+from ..shaping.pieces import MAX_ORDER, FloatArray
 from ..shaping.real_numbers import shown
 
 
@@ -125,6 +125,13 @@ def as_command(command: Any) -> Command:
         f"command = {shown(command)}: expected a Trajectory, as min_time_move gives, Ramp, Sine, "
         "or a sum of them"
     )
+
+
+def command_order(command: Any) -> int:
+    """Return the highest derivative of a command that is finite; of endless ones, all are."""
+    given = as_command(command)
+    parts = given.parts if isinstance(given, Sum) else (given,)
+    return min((part.order for part in parts if isinstance(part, Trajectory)), default=MAX_ORDER)
 
 
 def derivatives_of(command: Command, t: FloatArray, highest: int) -> FloatArray:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..shaping.checks import finite, whole
-from ..shaping.derivatives import derivative_number
+from ..shaping.derivatives import derivative_name, derivative_number
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import MAX_ORDER, FloatArray
 from ..shaping.real_numbers import shown
@@ -109,6 +109,39 @@ class Feedforward(Frozen):
     def order(self) -> int:
         """Highest derivative of the command that must be finite."""
         return max([0, *self.torque, *self.position])
+
+    def within(self, order: int) -> Feedforward:
+        """Return it without the derivatives above an order, of which a command has impulses."""
+        torque = {k: gain for k, gain in self.torque.items() if k <= order}
+        position = {k: gain for k, gain in self.position.items() if k < order}  # its rate is taken
+        return replace(self, torque=torque, position=position)
+
+    def requirement(self, command: Any = None) -> str:
+        """Return, in one line, what it asks of the command, and what a given one lacks.
+
+        Examples
+        --------
+        >>> print(Feedforward({"acceleration": 2.0, "snap": 0.1}).requirement())
+        needs snap of the command bounded (limits of order 4, order 5 for a continuous torque)
+        """
+        n = self.order
+        if n == 0:
+            return "needs nothing of the command"
+        told = (
+            f"needs {derivative_name(n)} of the command bounded (limits of order {n}, order "
+            f"{n + 1} for a continuous torque)"
+        )
+        if command is None:
+            return told
+        from .commands import command_order
+
+        given = command_order(command)
+        if given >= n:
+            return f"{told}: the command is of order {given}" if given < MAX_ORDER else told
+        return (
+            f"{told}: the command is of order {given}, so its {derivative_name(given + 1)} is a "
+            "train of impulses that cannot be fed forward"
+        )
 
     def torque_gains(self, highest: int) -> FloatArray:
         """Return torque per derivative 0 … highest."""

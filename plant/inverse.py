@@ -6,30 +6,42 @@ from typing import Any
 
 import numpy as np
 
-from ..shaping.derivatives import derivative_name
-from ..shaping.pieces import FloatArray
-from ..shaping.trajectory import Trajectory
+from ..shaping.checks import whole as whole_number
+from ..shaping.pieces import MAX_ORDER, FloatArray
 from .axis import Axis, as_axis
+from .cascade import CascadedPI
+from .commands import command_order
+from .controller import as_controller
 from .feedforward import Feedforward
 
 _NOTHING = 1e-9  # of the largest term, in the axis's own unit of time
 
 
-def inverse_feedforward(plant: Any, command: Trajectory | None = None) -> Feedforward:
+def inverse_feedforward(plant: Any, command: Any = None, *, controller: Any = None) -> Feedforward:
     """Return the feedforward that makes the load of an axis follow the command exactly.
 
     With the load's position flat, g_load(s) = N_0/D(s), N_0 constant,
 
         torque = D(d/dt)·r/N_0,   y_motor = N_motor(d/dt)·r/N_0,
 
-    which has derivatives up to twice the number of masses. Viscous friction and springs are in
-    it; Coulomb friction is fed forward by its sign. A current loop's lag adds a derivative.
+    which has derivatives up to twice the number of masses. Of one mode, with B and B_L the viscous
+    friction of motor and load, λ the load's share, k its spring and ω the free-free frequency,
+
+        y_motor = r + (B_L·ṙ + λ·J·r̈)/k,
+        torque = (B + B_L)·ṙ + (J + B·B_L/k)·r̈ + ((1 − λ)·B_L + λ·B)·J/k·r⃛ + J/ω²·r⁗.
+
+    Viscous friction and springs are in it; Coulomb friction is fed forward by its sign. A current
+    loop's lag adds a derivative.
 
     Parameters
     ----------
     plant : Inertia, FlexibleInertia or Axis
-    command : Trajectory, optional
-        To be checked: it must be of the feedforward's order at least.
+    command : Trajectory, Transfer, Ramp, Sine or a sum of them, optional
+        What is to be followed. Derivatives above its order, trains of impulses, are left out:
+        `requirement(command)` of what is returned says what the command lacks.
+    controller : PID, CascadedPI or Controller, optional
+        A cascade takes its velocity from the motor and from ṙ, so that its reference differs from
+        a PID's, the default.
 
     Returns
     -------
@@ -40,9 +52,15 @@ def inverse_feedforward(plant: Any, command: Trajectory | None = None) -> Feedfo
     Raises
     ------
     ValueError
-        For an axis whose load is not flat (damping inside the structure, or modes that are no
-        chain: the inverse has poles then, and modes of which some are left out give zeros in the
-        right half-plane), or a command of too low an order.
+        For an axis whose load is not flat: damping inside the structure gives the inverse poles,
+        modes of which some are left out may give unstable ones. `low_frequency_feedforward` takes
+        those.
+
+    Notes
+    -----
+    In a continuous loop the load follows to rounding. Hold and delay of a digital controller leave
+    an error of about torque′·(delay + sample_time/2), most of which `lead` takes back. A PID on
+    two encoders has no exact reference: its velocity is the motor's, its position the load's.
 
     Examples
     --------
@@ -54,50 +72,87 @@ def inverse_feedforward(plant: Any, command: Trajectory | None = None) -> Feedfo
     axis = as_axis(plant)
     whole, load, motor = _polynomials(axis)
     if len(load) > 1:
-        raise ValueError(
-            "the load is not flat, its inverse has poles: damping between the masses, or modes "
-            "that are no chain of masses. Use the model without structural damping, or "
-            "low_frequency_feedforward(axis), exact to the fourth derivative"
-        )
-    torque = {k: float(c) for k, c in enumerate(whole / load[0]) if c}
-    ahead = {k: float(c) for k, c in enumerate(motor / load[0]) if c and k}
-    if axis.sensor == "load":
-        ahead = {}
-    friction = axis.friction.coulomb if axis.friction else 0.0
-    return _checked(Feedforward(torque, position=ahead, friction=friction), command)
+        raise _not_flat(load)
+    return _feedforward(axis, whole / load[0], motor / load[0], command, controller)
 
 
-def low_frequency_feedforward(plant: Any, command: Trajectory | None = None) -> Feedforward:
-    """Return the inverse's expansion about frequency 0, up to the command's fourth derivative.
+def low_frequency_feedforward(
+    plant: Any, command: Any = None, *, order: int = 4, controller: Any = None
+) -> Feedforward:
+    """Return the inverse's expansion about frequency 0, up to a derivative of the command.
 
-        torque = B·ṙ + J·r̈ + … + s·r⁗,   y_motor = r + q·r̈
+        torque = B·ṙ + J·r̈ + … + s·r⁗,   y_motor = r + q·r̈ + …
 
-    from the quotients of the axis's polynomials; what is left of the load's error is of the order
-    of r^(6)/ω⁴. It is right for damped modes, and for models of which higher modes are left out.
+    from the quotients of the axis's polynomials, s = −J·Σ a_i·b_i/ω_i², q = Σ (a_i² − a_i·b_i)/ω_i²
+    without friction. It takes damped modes, and models of which higher modes are left out. The
+    load's error is about the first derivative that is left out: of a mode damped by ζ and order 4
+    2ζ/ω³ times the fifth, without damping 1/ω⁴ times the sixth.
 
     Parameters
     ----------
     plant : Inertia, FlexibleInertia or Axis
-    command : Trajectory, optional
-        To be checked: it must be of the feedforward's order at least.
+    command : Trajectory, Transfer, Ramp, Sine or a sum of them, optional
+        Derivatives above its order are left out, as in `inverse_feedforward`.
+    order : int, optional
+        Highest derivative for the torque, 2 to 40; the motor's position is taken as far as the
+        rate of its reference needs no higher one.
+    controller : PID, CascadedPI or Controller, optional
+        As in `inverse_feedforward`.
     """
-    axis = as_axis(plant)
+    axis, order = as_axis(plant), whole_number("order", order, 2, MAX_ORDER)
     whole, load, motor = _polynomials(axis)
-    torque = {k: float(c) for k, c in enumerate(_quotient(whole, load, 5)) if c}
-    ahead = {k: float(c) for k, c in enumerate(_quotient(motor, load, 4)) if c and k}
-    if axis.sensor == "load":
-        ahead = {}
-    friction = axis.friction.coulomb if axis.friction else 0.0
-    return _checked(Feedforward(torque, position=ahead, friction=friction), command)
+    torque, ahead = _quotient(whole, load, order + 1), _quotient(motor, load, order)
+    return _feedforward(axis, torque, ahead, command, controller)
 
 
-def _checked(feedforward: Feedforward, command: Trajectory | None) -> Feedforward:
-    if command is not None and command.order < feedforward.order:
-        raise ValueError(
-            f"the inverse of this axis needs {derivative_name(feedforward.order)} of the command: "
-            f"bound it, in a trajectory of order {feedforward.order} instead of {command.order}"
+def _not_flat(load: FloatArray) -> ValueError:
+    """Return the error for a load whose inverse has poles."""
+    poles = np.roots(load[::-1])
+    worst = poles[np.argmax(poles.real)]
+    if worst.real > 0.0:
+        told = (
+            f"the inverse of this axis is unstable, with a pole at {worst.real:.4g} rad/s: modes "
+            "are left out of it, or load and motor move against each other"
         )
-    return feedforward
+    else:
+        told = (
+            f"the inverse of this axis has poles, the slowest at {worst.real:.4g} rad/s: damping "
+            "between the masses, or modes that are no chain of masses. Leave out the damping"
+        )
+    return ValueError(f"{told}; use low_frequency_feedforward(axis), exact up to snap")
+
+
+def _feedforward(
+    axis: Axis, torque: FloatArray, motor: FloatArray, command: Any, controller: Any
+) -> Feedforward:
+    """Return feedforward of a torque and a motor's position, in derivatives of the load's."""
+    reference = _reference(axis, motor, controller)
+    reference[0] = 0.0  # the command itself
+    friction = axis.friction.coulomb if axis.friction else 0.0
+    found = Feedforward(_terms(torque), position=_terms(reference), friction=friction)
+    return found if command is None else found.within(command_order(command))
+
+
+def _reference(axis: Axis, motor: FloatArray, controller: Any) -> FloatArray:
+    """Return what e is taken from, so that a controller has nothing to do.
+
+    For a PID the measured position y; for a cascade, which asks for ε = k_v·e + f_v·ṙ − v = 0,
+    y + (v − f_v·ṙ)/k_v.
+    """
+    size = len(motor) + 1
+    moved = np.pad(motor, (0, size - len(motor)))
+    still = np.eye(size)[0]
+    seen = moved if axis.sensor == "motor" else still
+    law = None if controller is None else as_controller(controller).law
+    if not isinstance(law, CascadedPI):
+        return np.array(seen)
+    rate = np.roll(still if axis.sensor == "load" else moved, 1)
+    rate[1] -= law.velocity_feedforward
+    return np.array(seen + rate / law.position_gain)
+
+
+def _terms(gains: FloatArray) -> dict[int, float]:
+    return {k: float(gain) for k, gain in enumerate(gains) if gain}
 
 
 def _polynomials(axis: Axis) -> tuple[FloatArray, FloatArray, FloatArray]:
