@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
+    from .scans import Scan, scan_move
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
     from .transfers.synchronize import synchronize
+    from .transfers.tracking import tracking_transfer
     from .transfers.transfer import min_time_transfer, velocity_transfer
 
 # Imported when they are first asked for, so that `import jounce.shaping` costs little beside numpy.
@@ -35,6 +37,7 @@ _LATER = {
     "InputShaper": "input_shapers",
     "MotionBatch": "batch",
     "SCurveMove": "transfers.s_curve",
+    "Scan": "scans",
     "Transfer": "transfers.problem",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
@@ -43,7 +46,9 @@ _LATER = {
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "batches.transfers",
     "s_curve_move": "transfers.s_curve",
+    "scan_move": "scans",
     "synchronize": "transfers.synchronize",
+    "tracking_transfer": "transfers.tracking",
     "velocity_transfer": "transfers.transfer",
 }
 
@@ -58,6 +63,7 @@ __all__ = [
     "Limits",
     "MotionBatch",
     "SCurveMove",
+    "Scan",
     "Trajectory",
     "Transfer",
     "binding_limits",
@@ -71,8 +77,10 @@ __all__ = [
     "min_time_transfers",
     "perfect_spline",
     "s_curve_move",
+    "scan_move",
     "switch_fractions",
     "synchronize",
+    "tracking_transfer",
     "velocity_transfer",
 ]
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .. import core
 from .checks import finite, positive, range_error, state_numbers
@@ -19,6 +19,11 @@ from .pieces import FloatArray
 from .trajectory import Trajectory
 from .trajectory_checks import finite_array
 from .transfers.problem import check_order
+from .transfers.transfer import min_time_transfer
+
+IntArray = NDArray[np.intp]
+
+_ROUNDING = 1e-12  # of a sample: a piece as short is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +221,91 @@ class CommandFollower(Frozen):
         time: FloatArray = self.dt * np.arange(1.0, len(given) + 1.0)
         return FollowerResponse(time, given, states)
 
+    def follow(
+        self,
+        commands: ArrayLike,
+        *,
+        times: ArrayLike | None = None,
+        command_velocities: ArrayLike | None = None,
+        initial: Sequence[float] | None = None,
+    ) -> Trajectory:
+        """Return what it makes of a series of commands as one trajectory, exact inside samples.
+
+        Parameters
+        ----------
+        commands : (N,) array
+            Such as the positions of a file, which `analysis.read_log` reads.
+        times : (N,) array, optional
+            When each command begins, increasing: at each sample the last one that has begun is in
+            force, the first before it, for a sample at least. Default: one a sample.
+        command_velocities, initial
+            As in `run`; with times, one velocity a command, too. Default: at rest at the first
+            command.
+
+        Returns
+        -------
+        Trajectory
+            From the first time on, or 0. The last command stays in force until it is reached,
+            where it has no velocity.
+
+        Raises
+        ------
+        ValueError
+            As `run`, for times that do not increase, and for a follower with a jerk filter, whose
+            output is no polynomial.
+        """
+        if self.jerk_filter is not None:
+            raise ValueError(
+                "a follower with a jerk filter makes no polynomials: leave the filter out, and "
+                "put it behind the trajectory"
+            )
+        given = np.atleast_1d(finite_array("commands", commands))
+        speeds = finite_array(
+            "command_velocities", 0.0 if command_velocities is None else command_velocities
+        )
+        begin = 0.0
+        if times is not None:
+            begin, index = self._in_force(given, times)
+            given, speeds = given[index], speeds[index] if speeds.ndim else speeds
+        if initial is None and given.size:
+            initial = (float(given[0]),)
+        ends = self.run(given, command_velocities=speeds, initial=initial).states
+        first = self._checked_state(initial or (0.0,))[: self.order + 1]
+        states = np.column_stack([first, ends])
+        speeds = np.broadcast_to(speeds, given.shape)
+        parts = [
+            self.motion(state, command, speed)
+            for state, command, speed in zip(
+                states[:, :-1].T.tolist(), given.tolist(), speeds.tolist(), strict=True
+            )
+        ]
+        moving = bool(speeds.size and speeds[-1])
+        if parts and not moving:
+            parts.append(self._arrival(states[:, -1], float(given[-1])))
+        return _joined(parts, begin + self.dt * np.arange(float(len(parts))), first)
+
+    def _arrival(self, state: FloatArray, command: float) -> Trajectory:
+        """Return the rest of the way to a command that is not followed by another one."""
+        x = float(state[0])
+        if self.period is not None:
+            half = 0.5 * self.period
+            command = x + (command - x + half) % self.period - half
+        start = state[: self.order].tolist()
+        return min_time_transfer(start, command, self.limits).trajectory
+
+    def _in_force(self, commands: FloatArray, times: ArrayLike) -> tuple[float, IntArray]:
+        """Return the first time, and which command is in force at each sample from it on."""
+        at = np.atleast_1d(finite_array("times", times))
+        if at.shape != commands.shape or at.ndim != 1 or not (np.diff(at) > 0.0).all():
+            raise ValueError(
+                f"times of shape {at.shape} with commands of shape {commands.shape}: expected "
+                "one increasing time for each command"
+            )
+        samples = round((at[-1] - at[0]) / self.dt) + 1
+        when = at[0] + self.dt * np.arange(float(samples))
+        slack = 1e-9 * self.dt
+        return float(at[0]), np.searchsorted(at, when + slack, side="right") - 1
+
     def motion(
         self, state: Sequence[float], command: float, command_velocity: float = 0.0
     ) -> Trajectory:
@@ -263,3 +353,18 @@ class CommandFollower(Frozen):
         if len(numbers) <= own:
             numbers += [0.0] * (own - len(numbers)) + [numbers[0]] * lags
         return tuple(numbers)
+
+
+def _joined(parts: list[Trajectory], begins: FloatArray, first: Sequence[float]) -> Trajectory:
+    """Return motions one behind the other, at times given; at rest without any."""
+    if not parts:
+        return Trajectory([0.0], np.empty((0, len(first))), end_state=np.array(first))
+    starts = np.concatenate([b + part.breaks[:-1] for b, part in zip(begins, parts, strict=True)])
+    durations = np.concatenate([part.durations for part in parts])
+    kept = durations > _ROUNDING * durations.max(initial=0.0)
+    return Trajectory(
+        np.append(starts[kept], begins[-1] + parts[-1].end_time),
+        np.vstack([part.states for part in parts])[kept],
+        durations[kept],
+        parts[-1].end_state,
+    )

@@ -211,13 +211,13 @@ class Trajectory(PiecewisePolynomial):
             min(first.coasting, second.coasting),
         )
 
-    def __add__(self, other: Trajectory) -> Trajectory:
+    def __add__(self, other: Motion) -> Trajectory:
         """Return the sum of two motions, as functions of time; each coasts outside its own."""
         from .sums import weighted_sum
 
-        if not isinstance(other, Trajectory):
+        if not isinstance(other, Motion):
             return NotImplemented
-        return weighted_sum((self, other), (1.0, 1.0))
+        return weighted_sum((self, as_trajectory(other)), (1.0, 1.0))
 
     def plot(
         self,
@@ -290,6 +290,10 @@ class Planned(Frozen):
     def then(self, following: Motion, *, dwell: float = 0.0) -> Trajectory:
         """Append another motion, as `Trajectory.then` does."""
         return self.trajectory.then(following, dwell=dwell)
+
+    def __add__(self, other: Motion) -> Trajectory:
+        """Return the sum of two motions, as `Trajectory` does."""
+        return self.trajectory + other
 
     def __getattr__(self, name: str) -> Any:
         motion = self.__dict__.get("_motion")

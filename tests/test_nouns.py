@@ -70,6 +70,7 @@ from jounce.shaping import (
     min_time_transfer,
     min_time_transfers,
     s_curve_move,
+    scan_move,
 )
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
@@ -96,6 +97,7 @@ NOUNS = [
     min_time_moves([1.0, 2.0], Limits(velocity=1.0, snap=2.0)),
     s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
     certify(MOVE, LIMITS),
+    scan_move(1.0, 0.5, LIMITS, lines=2),
     FILTER,
     FILTER.respond(MOVE, 0.1),
     FOLLOWER,
