@@ -20,6 +20,7 @@ from .loop_response import LoopResponse
 from .many import respond_all
 from .pid import PID
 from .pid_design import design_pid
+from .ripple import Ripple
 from .sampled import zero_order_hold
 from .servo_loop import ServoLoop
 from .shaper_systems import filter_system
@@ -43,6 +44,7 @@ __all__ = [
     "LowPass",
     "Notch",
     "Ramp",
+    "Ripple",
     "SampledTorque",
     "Sensitivity",
     "ServoLoop",

@@ -21,6 +21,7 @@ from .friction import Friction
 from .inertia import Inertia
 from .linear_system import linear_system
 from .mechanics import Mechanics, chain_mechanics, held_mechanics, modal_mechanics
+from .ripple import Ripple
 
 if TYPE_CHECKING:
     import control
@@ -64,6 +65,8 @@ class Axis(Frozen):
         Torque at the motor's shaft per current, positive. Default: no current is told.
     constant_load : float, optional
         Torque that always acts on the load, in the direction of positive positions.
+    ripple : Ripple, optional
+        Torque on the motor over its position: cogging. In simulations, not in transfer functions.
 
     Raises
     ------
@@ -92,6 +95,7 @@ class Axis(Frozen):
     gear_ratio: float = 1.0
     torque_constant: float | None = None
     constant_load: float = 0.0
+    ripple: Ripple | None = None
     body: Any = None
 
     def __post_init__(self) -> None:
@@ -106,6 +110,8 @@ class Axis(Frozen):
         one_of("sensor", self.sensor, ("motor", "load", "both"))
         if self.friction is not None:
             of_kind("friction", self.friction, Friction, "Friction(coulomb, static)")
+        if self.ripple is not None:
+            of_kind("ripple", self.ripple, Ripple, "Ripple(positions, torques, period)")
         self._check_drive()
         if self.friction is not None and not self._friction_moves():
             raise ValueError(
@@ -168,8 +174,9 @@ class Axis(Frozen):
 
     @property
     def is_nonlinear(self) -> bool:
-        """Whether friction, a torque limit or the encoder's resolution make it so."""
-        return self.friction is not None or self.torque_limit < inf or self.encoder_step > 0.0
+        """Whether friction, ripple, a torque limit or the encoder's resolution make it so."""
+        dry = self.friction is not None or self.ripple is not None
+        return dry or self.torque_limit < inf or self.encoder_step > 0.0
 
     def system(self) -> control.StateSpace:
         """Return the linear part as a python-control system.

@@ -18,11 +18,16 @@ from .open_loop import OpenLoop
 
 
 class Mode(NamedTuple):
-    """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1)."""
+    """Friction sticks (0) or slips (±1); the torque is limited (±1); the integral held (±1).
+
+    The ripple is on a straight line of its table, which it came onto from the other end (±1).
+    """
 
     friction: int = 0
     limit: int = 0
     integral: int = 0
+    cell: int = 0
+    turned: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +58,11 @@ class Hybrid:
     torque: FloatArray
     pushing: FloatArray
 
+    def start(self, axis: Axis, motor: float) -> int:
+        """Return the mode in which a run starts, the motor at rest there."""
+        cell = 0 if axis.ripple is None else axis.ripple.cell(motor)
+        return self.modes.index(self.modes[0]._replace(cell=cell))
+
 
 def hybrid_of(
     axis: Axis, controller: Controller, layout: Layout, loop: OpenLoop | None, friction_ahead: float
@@ -72,6 +82,8 @@ def hybrid_of(
     for i, mode in enumerate(kinds):
         if axis.friction is not None and mode.friction == 0:
             onto[i], along[i] = builder.stopping()
+        if mode.turned:
+            onto[i], along[i] = builder.turning(mode.turned)
     return Hybrid(
         kinds,
         np.array([part.rates for part in parts]),
@@ -148,7 +160,19 @@ class _Builder:
         kinds = [Mode(*kind) for kind in product(frictions, limits, integrals)]
         if limited and self.controller.anti_windup == "conditional":
             kinds += [Mode(f, s, 1) for f in frictions for s in (1, -1)]
-        return tuple(kinds)
+        if self.axis.ripple is None:
+            return tuple(kinds)
+        last = self.axis.ripple.count - 1
+        held = self.axis.friction is not None
+        return tuple(
+            [kind._replace(cell=cell) for cell in range(last + 1) for kind in kinds]
+            + [
+                kind._replace(cell=cell, turned=way)
+                for cell, way in ((0, 1), (last, -1))
+                for kind in kinds
+                if kind.friction or not held
+            ]
+        )
 
     def mode(self, mode: Mode) -> _Part:
         """Return what a mode is made of."""
@@ -157,13 +181,17 @@ class _Builder:
         if mode.limit:
             torque = mode.limit * self.axis.torque_limit * one
         rates = self.rates + np.outer(self.drive[: layout.moving], torque)
+        cells: list[tuple[FloatArray, Mode]] = []
+        if self.axis.ripple is not None:
+            cells = self.ripple(mode, rates, one)
+            mode = mode._replace(turned=0)
         guards = self.limit_guards(mode, one)
         guards += self.integral(mode, rates, torque, one)
         pushing = np.zeros(layout.size)
         if self.axis.friction is not None:
             pushing, more = self.friction(mode, rates, one)
             guards = more + guards
-        return _Part(rates, guards, torque, pushing)
+        return _Part(rates, guards + cells, torque, pushing)
 
     def limit_guards(self, mode: Mode, one: FloatArray) -> list[tuple[FloatArray, Mode]]:
         if self.loop is None or self.axis.torque_limit == inf:
@@ -229,6 +257,38 @@ class _Builder:
         rates[np.flatnonzero(self.velocity)] = 0.0
         holds = friction.holds * one
         return pushing, [(holds - sign * pushing, mode._replace(friction=sign)) for sign in (1, -1)]
+
+    def ripple(
+        self, mode: Mode, rates: FloatArray, one: FloatArray
+    ) -> list[tuple[FloatArray, Mode]]:
+        """Change rates in place; return the guards at both ends of the ripple's straight line."""
+        ripple = self.axis.ripple
+        assert ripple is not None
+        place = self.layout.level("turns")
+        assert place is not None
+        position = self.layout.row(self.axis.dynamics.motor) - self.layout.unit(place)
+        offset, slope = ripple.lines()[mode.cell]
+        rates += np.outer(self.kick[: self.layout.moving], offset * one + slope * position)
+        if self.axis.friction is not None and mode.friction == 0:
+            return []
+        low, high = ripple.edges[mode.cell : mode.cell + 2]
+        last = ripple.count - 1
+        ahead = mode._replace(cell=0, turned=1)
+        behind = mode._replace(cell=last, turned=-1)
+        if mode.cell < last:
+            ahead = mode._replace(cell=mode.cell + 1, turned=0)
+        if mode.cell > 0:
+            behind = mode._replace(cell=mode.cell - 1, turned=0)
+        return [(high * one - position, ahead), (position - low * one, behind)]
+
+    def turning(self, way: int) -> tuple[FloatArray, FloatArray]:
+        """Return what counts a period of the ripple, and its row."""
+        assert self.axis.ripple is not None
+        place = self.layout.level("turns")
+        assert place is not None
+        return self.layout.unit(place), way * self.axis.ripple.period * self.layout.unit(
+            self.layout.one
+        )
 
     def stopping(self) -> tuple[FloatArray, FloatArray]:
         """Return what takes the motor's velocity away, and its row."""

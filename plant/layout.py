@@ -32,7 +32,7 @@ class Layout:
         Of its chain of derivatives; −1 without.
     set : tuple of str
         What else is set at times: "motor" and "load", the torques held on them, and "sign", that
-        of the command's rate.
+        of the command's rate. "turns" is how far the motor is beyond the table of its ripple.
     digital : bool
         Whether a controller's torque is held.
     """
@@ -171,14 +171,21 @@ class Layout:
 
 
 def layout_of(
-    states: int, disturbances: tuple[Disturbance, ...], command: Command | None, *, signed: bool
+    states: int,
+    disturbances: tuple[Disturbance, ...],
+    command: Command | None,
+    *,
+    signed: bool,
+    turning: bool = False,
 ) -> Layout:
     """Return the layout of a loop; without a command a digital one's.
 
-    `signed` for a continuous one that takes the sign of the command's rate.
+    `signed` for a continuous one that takes the sign of the command's rate, `turning` for an axis
+    with ripple.
     """
     held = {d.on for d in disturbances if not isinstance(d, TorqueSine)}
     signals: tuple[str, ...] = tuple(on for on in ("motor", "load") if on in held)
+    signals += ("turns",) * turning
     if command is None:
         return Layout(states, disturbances, set=signals, digital=True)
     signals += ("sign",) * signed
@@ -253,10 +260,13 @@ def at_rest(axis: Axis, position: float) -> tuple[FloatArray, float]:
     """
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
-    if position == 0.0 and axis.constant_load == 0.0:
+    if position == 0.0 and axis.constant_load == 0.0 and axis.ripple is None:
         return np.zeros(d.size), 0.0
     matrix = np.vstack([np.column_stack([d.a, d.b[:, 0]]), np.append(seen, 0.0)])
     target = np.append(-axis.constant_load * d.b[:, 2], position)
     solved, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    if axis.ripple is not None:
+        target[:-1] -= float(axis.ripple(d.motor @ solved[:-1])) * d.b[:, 1]
+        solved, *_ = np.linalg.lstsq(matrix, target, rcond=None)
     solved[np.abs(solved) < 1e-15 * np.abs(solved).max()] = 0.0
     return solved[:-1], float(solved[-1])

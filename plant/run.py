@@ -295,6 +295,7 @@ def simulate(scene: Scene) -> Run:
         scene.disturbances,
         None if scene.is_digital else scene.command,
         signed=loop is not None and scene.feedforward.friction > 0.0,
+        turning=axis.ripple is not None,
     )
     hybrid = hybrid_of(axis, controller, layout, loop, scene.feedforward.friction)
     rest, holding = at_rest(axis, scene.start)
@@ -303,6 +304,9 @@ def simulate(scene: Scene) -> Run:
     if loop is not None:
         initial[loop.integral] = preload
     z = layout.initial(initial)
+    motor = float(axis.dynamics.motor @ rest)
+    if axis.ripple is not None:
+        z[layout.level("turns")] = axis.ripple.turns_before(motor)
     memory = np.zeros(4 + 2 * (len(controller.sections) if scene.is_digital else 0))
     if scene.is_digital:
         z[layout.held], memory[1] = holding, preload
@@ -311,6 +315,7 @@ def simulate(scene: Scene) -> Run:
     commands, ahead = _sampled_command(scene)
     samples = np.zeros((len(commands), 3))
     numbers, tuned, sections = _numbers(scene, layout, hybrid, len(commands), len(times))
+    numbers[6] = float(hybrid.start(axis, motor))
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
     moved = d.load if axis.sensor == "load" else d.motor

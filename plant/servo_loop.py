@@ -350,7 +350,10 @@ class ServoLoop(Frozen):
         """
         given = as_command(command)
         exact = isinstance(given, Trajectory) and not (
-            self.is_digital or self.axis.friction or self.axis.torque_limit < inf
+            self.is_digital
+            or self.axis.friction
+            or self.axis.ripple
+            or self.axis.torque_limit < inf
         )
         plain = exact and disturbance is None and times is None and start is None
         if plain and not (self.axis.spring or self.axis.constant_load):
