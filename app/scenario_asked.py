@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 
 from ..shaping.derivatives import DERIVATIVE_NAMES
 from . import scenario_kinds as kinds
-from .scenario_checks import LIMIT_SET, MODE_NAMES, TRACKING_NAME, whole
+from .scenario_checks import LIMIT_SET, MODE_NAMES, NAME, POSITION_UNIT, TRACKING_NAME, whole
 from .scenario_keys import choice
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
@@ -77,34 +77,49 @@ class SineSection:
 
 @dataclass(frozen=True, kw_only=True)
 class ScanSection:
-    """Sweeps forth and back, at constant velocity between the turns."""
+    """Lines at constant velocity, back and forth."""
 
     __pydantic_config__: ClassVar = _CLOSED
-    length: Annotated[float, kinds.moved(sign="positive")]
+    length: Annotated[float, kinds.moved()]
     rate: Annotated[float, kinds.moved(1, sign="positive")]
-    sweeps: Annotated[int, whole(100, "sweeps = 2")] = 2
+    lines: Annotated[int, whole(1000, "lines = 2")] = 1
+    limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileSection:
+    """Positions over time in a CSV file, followed within limits."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    path: Annotated[str, NAME]
+    unit: Annotated[str | None, POSITION_UNIT] = None
+    time: Annotated[str, NAME] = "0"
+    position: Annotated[str, NAME] = "1"
+    sample_time: Annotated[float, kinds.SECONDS] = 1e-3
     limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingSection:
-    """A command that goes on: a rate, a sine, both together, or a scan."""
+    """A command that goes on: a rate, a sine, both together, a scan or a file."""
 
     __pydantic_config__: ClassVar = _CLOSED
     name: Annotated[str, TRACKING_NAME]
     rate: Annotated[float | Literal["sidereal"] | None, kinds.RATE] = None
     sine: SineSection | None = None
     scan: ScanSection | None = None
+    file: FileSection | None = None
     duration: Annotated[float | None, kinds.SECONDS] = None
     after: Annotated[float, kinds.TIME] = 0.0
 
     def __post_init__(self) -> None:
-        if (self.scan is None) == (self.rate is None and self.sine is None):
+        endless = self.rate is not None or self.sine is not None
+        if endless + (self.scan is not None) + (self.file is not None) != 1:
             raise ValueError(
-                'needs a command: write rate = "15 arcsec/s" or "sidereal", a sine, both, or a '
-                "scan alone"
+                'needs one command: write rate = "15 arcsec/s" or "sidereal", a sine, both '
+                "together, or a scan or a file alone"
             )
-        if self.scan is None and self.duration is None:
+        if endless and self.duration is None:
             raise ValueError('goes on for ever; write duration = "10 s"')
         if self.duration is not None and self.after >= self.duration:
             raise ValueError(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import inf
 from typing import Any
 
-from ..plant import Axis, FlexibleMode, Friction, Inertia, chain_axis, system_axis
+from ..plant import Axis, FlexibleMode, Friction, Inertia, Ripple, chain_axis, system_axis
 from .scenario import Scenario
-from .scenario_sections import ModeSection, PlantSection
+from .scenario_sections import ModeSection, PlantSection, RippleSection
 
 
 def plant_of(scenario: Scenario) -> Inertia | Axis:
@@ -60,6 +60,7 @@ def _drive(plant: PlantSection) -> dict[str, Any]:
     friction = plant.friction
     return {
         "friction": None if friction is None else Friction(friction.coulomb, friction.static),
+        "ripple": None if plant.ripple is None else _ripple(plant.ripple),
         "torque_limit": _limit(plant),
         "constant_load": plant.constant_load,
         "torque_constant": plant.torque_constant,
@@ -68,6 +69,12 @@ def _drive(plant: PlantSection) -> dict[str, Any]:
         "encoder_step": plant.encoder_step,
         "sensor": plant.sensor,
     }
+
+
+def _ripple(ripple: RippleSection) -> Ripple:
+    if ripple.amplitude is not None:
+        return Ripple.sine(ripple.amplitude, ripple.period)
+    return Ripple(ripple.positions or (), ripple.torques or (), ripple.period)
 
 
 def _limit(plant: PlantSection) -> float:

@@ -6,10 +6,11 @@ from typing import Any
 
 from ..analysis.specification import Tracking
 from ..plant import Ramp, Sine, TorqueSteps, Wind
-from ..shaping import Limits, Trajectory, min_time_move
+from ..shaping import CommandFollower, Limits, Trajectory, scan_move
 from .scenario import Scenario
-from .scenario_asked import ScanSection, TrackingSection
+from .scenario_asked import FileSection, TrackingSection
 from .scenario_kinds import SIDEREAL
+from .units import factor
 
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
@@ -48,19 +49,22 @@ def tracking_of(scenario: Scenario) -> tuple[Tracking, ...]:
 
 
 def _tracking(section: TrackingSection, scenario: Scenario) -> Tracking:
-    command, duration = _command(section, scenario), section.duration
-    if isinstance(command, Trajectory):
-        duration = duration or command.duration
-    assert duration is not None  # the section's own check
     try:
+        command, duration = _command(section, scenario), section.duration
+        if isinstance(command, Trajectory):
+            duration = duration or command.duration
+        assert duration is not None  # the section's own check
         return Tracking(section.name, command, duration, section.after)
     except ValueError as error:
-        raise ValueError(f"{scenario.path}: tracking.{section.name}: {error}") from None
+        raise ValueError(f"{scenario.path}: tracking {section.name!r}: {error}") from None
 
 
 def _command(section: TrackingSection, scenario: Scenario) -> Any:
     if section.scan is not None:
-        return _scan(section.scan, scenario)
+        scan, limits = section.scan, _limits(section.scan.limits, scenario)
+        return scan_move(scan.length, scan.rate, limits, lines=scan.lines).trajectory
+    if section.file is not None:
+        return _followed(section.file, scenario)
     rate, sine = section.rate, section.sine
     parts: list[Any] = []
     if rate is not None:
@@ -70,11 +74,26 @@ def _command(section: TrackingSection, scenario: Scenario) -> Any:
     return parts[0] if len(parts) == 1 else parts[0] + parts[1]
 
 
-def _scan(scan: ScanSection, scenario: Scenario) -> Trajectory:
-    """Return sweeps forth and back, each a move whose velocity is the scan's rate."""
-    from ..shaping.sums import weighted_sum
+def _limits(name: str, scenario: Scenario) -> Limits:
+    return Limits.from_bounds(scenario.limit_sets[name])
 
-    bounds = (scan.rate, *scenario.limit_sets[scan.limits][1:])
-    forth = min_time_move(scan.length, Limits.from_bounds(bounds))
-    sweeps = [forth.delay(k * forth.duration) for k in range(scan.sweeps)]
-    return weighted_sum(sweeps, [(-1.0) ** k for k in range(scan.sweeps)])
+
+def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
+    """Return what a follower makes of the positions in a file beside the scenario."""
+    from ..analysis import read_log
+
+    path = scenario.path.parent / file.path
+    try:
+        times, positions = read_log(path, _column(file.time), _column(file.position))
+    except OSError as error:
+        raise ValueError(
+            f"file {path}: {error.strerror or error}; name a CSV file, from this file's folder on"
+        ) from None
+    scale = factor(file.unit or scenario.position_unit)
+    follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
+    return follower.follow(scale * positions, times=times)
+
+
+def _column(name: str) -> int | str:
+    """Return a column's name, or its number from 0 on."""
+    return int(name) if name.isdecimal() else name

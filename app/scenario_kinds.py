@@ -90,6 +90,9 @@ SPRINGS, DAMPERS = (
     Quantity(each.angle, each.length, several=True)
     for each in (gain(0, "stiffness", "positive"), gain(1, "damping"))
 )
+POSITIONS, TORQUES = (
+    Quantity(each.angle, each.length, several=True) for each in (moved(), torque())
+)
 SHARE = _alike(_SHARE, scale=0.01)
 DAMPING = _alike(_DAMPING, scale=0.01)
 ZERO_DAMPING = _alike(_DEPTH, scale=0.01)

@@ -60,7 +60,7 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
     plant = plant_of(scenario)
     controller = controller_of(scenario, plant)
     with _named(scenario, "feedforward"):
-        return ServoLoop(plant, controller, feedforward_of(scenario, plant))
+        return ServoLoop(plant, controller, feedforward_of(scenario, plant, controller))
 
 
 @contextmanager
@@ -171,16 +171,17 @@ def _anti_windup(given: Any) -> Any:
 
 
 def feedforward_of(
-    scenario: Scenario, plant: Inertia | Axis
+    scenario: Scenario, plant: Inertia | Axis, controller: Any
 ) -> InertiaFeedforward | Feedforward | None:
     """Return the feedforward; the plant's inertia where the scenario says nothing else."""
     section, lead = scenario.feedforward, _lead(scenario)
     if section.inverse:
         find = inverse_feedforward if section.inverse is True else low_frequency_feedforward
         try:
-            found = find(plant)
+            found = find(plant, controller=controller)
         except ValueError as error:
-            raise ValueError(f'{error}; in a file write inverse = "low-frequency"') from None
+            use, remedy = "use low_frequency_feedforward(axis)", 'write inverse = "low-frequency"'
+            raise ValueError(str(error).replace(use, remedy)) from None
         return Feedforward(
             found.torque,
             position=found.position,

@@ -54,6 +54,7 @@ encoder_step = "0.1 arcsec"
 sensor = "motor"
 constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}
+ripple = {period = "1 deg", amplitude = "0.1 N m", positions = ["0 deg"], torques = ["0 N m"]}
 chain = {masses = ["1 kg"], springs = ["1 N/m"], dampers = ["0.1 N s/m"]}
 transfer = {numerator = [1.0], denominator = [1.0, 0.0, 0.0]}
 [[plant.modes]]
@@ -121,7 +122,14 @@ rate = "sidereal"
 duration = "10 s"
 after = "5 s"
 sine = {amplitude = "1 arcsec", frequency = "1 Hz"}
-scan = {length = "1 deg", rate = "0.1 deg/s", sweeps = 2, limits = "axis"}
+scan = {length = "1 deg", rate = "0.1 deg/s", lines = 2, limits = "axis"}
+[tracking.file]
+path = "command.csv"
+unit = "deg"
+time = "0"
+position = "1"
+sample_time = "1 ms"
+limits = "axis"
 [disturbances]
 torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
 encoder_noise = "10 mas"

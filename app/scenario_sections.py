@@ -67,6 +67,25 @@ class TransferSection:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RippleSection:
+    """Torque over the motor's position that repeats (cogging): a sine, or a table of points."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    period: Annotated[float, kinds.moved(sign="positive")]
+    amplitude: Annotated[float | None, kinds.torque("positive")] = None
+    positions: Annotated[tuple[float, ...] | None, kinds.POSITIONS] = None
+    torques: Annotated[tuple[float, ...] | None, kinds.TORQUES] = None
+
+    def __post_init__(self) -> None:
+        table = (self.positions is not None) + (self.torques is not None)
+        if table + 2 * (self.amplitude is not None) != 2:
+            raise ValueError(
+                'needs a shape: write either amplitude = "0.1 N m", a sine, or positions and '
+                "torques, points of a period"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
 class PlantSection:
     """What a drive moves, all but its inertia."""
 
@@ -81,6 +100,7 @@ class PlantSection:
     chain: ChainSection | None = None
     transfer: TransferSection | None = None
     friction: FrictionSection | None = None
+    ripple: RippleSection | None = None
     torque_limit: Annotated[float | None, kinds.torque("positive")] = None
     force_limit: Annotated[float | None, kinds.torque("positive")] = None
     current_limit: Annotated[float | None, kinds.CURRENT] = None
