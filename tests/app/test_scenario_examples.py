@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from jounce.analysis import loop_margins
-from jounce.app import load_scenario
+from jounce.analysis.surveyed_moves import planned
+from jounce.app import load_scenario, survey_file
 from jounce.app.scenario_commands import survey_conditions
 from jounce.app.scenario_loop import servo_loop_of
 from jounce.app.scenario_schema import scenario_schema
@@ -36,9 +37,7 @@ def test_its_loop_is_stable_and_its_moves_settle_within_the_torque_limit(name):
     loop = servo_loop_of(scenario)
     assert loop_margins(loop.loop_transfer()).stable
     for move in scenario.moves:
-        command = min_time_move(move.distance, Limits.from_bounds(move.bounds))
-        for shaper in move.shapers:
-            command = shaper.shape(command)
+        command = planned(move)
         long = 3.0 * command.duration
         response = loop.respond(command, long / 500, duration=long)
         settled = response.settling_time(move.distance, move.settle_to, of="load")
@@ -53,6 +52,23 @@ def test_its_file_is_right_by_the_schema(path):
         return
     content = tomllib.loads(path.read_text(encoding="utf-8"))
     jsonschema.validate(content, scenario_schema(content.get("format", 1)))
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_its_survey_meets_what_the_file_requires(name):
+    found = survey_file(scenario_of(name))
+    assert len(found.requirements) == len(found.scenario.requirements)
+    assert [check for check in found.requirements if not check.met] == []
+    assert found.findings == ()
+    for move in found.moves:
+        assert move.configured.load_settling_time_s < 2.0 * move.duration_s
+    assert len(found.tracking) == len(found.scenario.tracking)
+
+
+def test_a_move_that_is_rounded_lasts_whole_samples():
+    for move in scenario_of("wafer_stage").moves:
+        samples = planned(move).duration / 50e-6
+        assert samples == pytest.approx(round(samples), abs=1e-9)
 
 
 def test_the_telescope_is_as_its_file_says():
