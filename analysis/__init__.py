@@ -31,10 +31,11 @@ from .limit_tuning import TunedLimits, tune_limits
 from .log_conformance import Conformance, conformance, read_log
 from .loop_survey import Survey, UnstableLoopError, survey
 from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
-from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
+from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
 from .tuning import TunedPID, tune_pid
 
 __all__ = [
+    "FIGURES",
     "CascadedLags",
     "Conformance",
     "DescribingFunction",

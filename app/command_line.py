@@ -94,6 +94,18 @@ def survey_command(
     print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
 
 
+@app.command("schema")
+def schema_command(
+    number: Annotated[
+        int, typer.Option("--format", help="Format of the scenario files: 2, or 1.")
+    ] = 2,
+) -> None:
+    """Print the JSON schema of scenario files, by which editors complete and check keys."""
+    from .scenario_schema import shipped_schema
+
+    print(shipped_schema(number), end="")
+
+
 # Without ignore_unknown_options a negative distance would pass for an option.
 @app.command("plan", context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 def plan_command(

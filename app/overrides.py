@@ -12,16 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from .scenario_messages import EXAMPLE, key_path
+from .scenario_messages import EXAMPLE_2, Place, key_path
 from .units import show
-
-Place = tuple[str | int, ...]
-"""Where a value stands in a file: ("moves", 0, "settle_to")."""
 
 _QUOTED = r"\"(?:[^\"\\]|\\.)*\"|'[^']*'"
 _PART = re.compile(rf"\[(\d+)\]|\.({_QUOTED}|[^.=\"'\[\]]+)")
 _KEY_AND_VALUE = re.compile(rf"((?:{_QUOTED}|[^=\"'])+)=(.*)", re.DOTALL)
-_NAMED: tuple[Place, ...] = (("limits",), ("modes",), ("moves",))
+_NAMED: tuple[Place, ...] = (("limits",), ("modes",), ("moves",), ("tracking",), ("plant", "modes"))
 """Keys whose entries have names of the user's own."""
 
 
@@ -145,7 +142,7 @@ def _find(content: dict[str, Any], parts: Sequence[str | int], key: str) -> tupl
 
 def _empty(part: str | int) -> Any:
     """Return what an absent key is filled with: a list, where one is known to stand there."""
-    return [] if isinstance(EXAMPLE.get(str(part)), list) else {}
+    return [] if isinstance(EXAMPLE_2.get(str(part)), list) else {}
 
 
 def _entry(entries: list[Any], part: str | int, place: Place, key: str) -> int:

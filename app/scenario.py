@@ -2,68 +2,49 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, cast
+from typing import Any, TypeVar
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    ValidationError,
-    WrapValidator,
-)
+from pydantic import ValidationError
 
-from ..analysis.specification import Bound, Mode, Move, Specification
+from ..analysis.specification import Bound, Mode, Move, Requirement, Specification
 from . import scenario_checks as checks
-from .overrides import Place, override
-from .scenario_messages import problem_line, what_to_write
+from .overrides import override
+from .scenario_asked import DisturbanceSection, FeedforwardSection, TrackingSection
+from .scenario_context import Context, context_of
+from .scenario_formats import (
+    FORMATS,
+    File,
+    FileOf2,
+    FilterSection,
+    GainRule,
+    Gains,
+    MoveSection,
+)
+from .scenario_messages import Place, lines_of, what_to_write
+from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
+from .scenario_shapers import shapers_of
 from .text_files import read_toml
-from .units import FREQUENCY, Motion, factor, unit_of
+from .units import Motion, factor, show, unit_of
 
-GainRule = Literal["design", "published"]
+__all__ = [
+    "CascadeSection",
+    "FilterSection",
+    "GainRule",
+    "Gains",
+    "Scenario",
+    "ScenarioError",
+    "as_scenario",
+    "load_scenario",
+]
+
+_Table = TypeVar("_Table")
 
 
 class ScenarioError(ValueError):
     """A scenario file cannot be used; its message has a line for each problem."""
-
-
-@dataclass(frozen=True)
-class Gains:
-    """Gains of a PID controller kp e + ki ∫e dt + kr de/dt, in N m and rad or in N and m."""
-
-    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")
-    kp: Annotated[float, PlainValidator(checks.read_gain)]
-    ki: Annotated[float, PlainValidator(checks.read_gain)]
-    kr: Annotated[float, PlainValidator(checks.read_gain)]
-
-
-@dataclass(frozen=True)
-class _Specification:
-    """What a loop must achieve: its crossover frequency and margins."""
-
-    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")
-    crossover_hz: Annotated[
-        float, Field(validation_alias="crossover"), checks.quantity_of(FREQUENCY)
-    ]
-    phase_margin_deg: Annotated[
-        float, Field(validation_alias="phase_margin"), checks.quantity_of(checks.PHASE_MARGIN)
-    ]
-    lower_gain_margin_db: Annotated[
-        float, Field(validation_alias="lower_gain_margin"), checks.quantity_of(checks.GAIN_MARGIN)
-    ]
-
-
-@dataclass(frozen=True)
-class FilterSection:
-    """The jerk filter behind the shaper: corner frequency and number of poles."""
-
-    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")
-    corner_hz: Annotated[float, Field(validation_alias="corner"), checks.quantity_of(FREQUENCY)]
-    order: Annotated[int, PlainValidator(checks.read_filter_order)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +63,8 @@ class Scenario:
         The unit in which positions are reported; `position_scale` is its SI value.
     inertia : float
         The plant's, in kg m² or kg.
-    gains : {"design", "published"} or Gains
-        The controller's gains, or how they follow from the specification.
+    gains : {"design", "published", "tune"}, Gains or CascadeSection
+        The controller's gains, or how they are found.
     specification : Specification or None
         Always given where gains is "design".
     feedforward_inertia : float
@@ -98,6 +79,13 @@ class Scenario:
         What the moves must not leave ringing.
     overrides : tuple of str
         What was given in place of the file's own, as ``key = value``.
+    plant, controller, feedforward
+        What a file of format 2 says of them besides the above.
+    tracking : tuple of TrackingSection
+        Commands that go on; `limit_sets` are the bounds that scans name.
+    disturbances : DisturbanceSection
+    requirements : tuple of Requirement
+        Bounds on what the survey finds.
     """
 
     path: Path
@@ -105,7 +93,7 @@ class Scenario:
     motion: Motion
     position_unit: str
     inertia: float
-    gains: GainRule | Gains
+    gains: GainRule | Gains | CascadeSection
     specification: Specification | None
     feedforward_inertia: float
     inertia_error: float
@@ -113,65 +101,18 @@ class Scenario:
     moves: tuple[Move, ...]
     modes: tuple[Mode, ...] = ()
     overrides: tuple[str, ...] = ()
+    plant: PlantSection = field(default_factory=PlantSection)
+    controller: ControllerSection = field(default_factory=ControllerSection)
+    feedforward: FeedforwardSection = field(default_factory=FeedforwardSection)
+    tracking: tuple[TrackingSection, ...] = ()
+    limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict)
+    disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
+    requirements: tuple[Requirement, ...] = ()
 
     @property
     def position_scale(self) -> float:
         """SI value, in rad or m, of one `position_unit`."""
         return factor(self.position_unit)
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class _Plant(_Section):
-    inertia: Annotated[float, PlainValidator(checks.read_inertia)]
-
-
-class _Controller(_Section):
-    # Typed by its table alone: in a union, pydantic would put the branch into the key's path.
-    gains: Annotated[Gains, WrapValidator(checks.read_gains)] = Field(default=cast(Any, "design"))
-    specification: Annotated[_Specification | None, WrapValidator(checks.read_specification)] = (
-        Field(default=None, validate_default=True)
-    )
-
-
-class _Feedforward(_Section):
-    inertia: Annotated[float | None, PlainValidator(checks.read_inertia)] = None
-    error: Annotated[float, checks.quantity_of(checks.PERCENTAGE)] = 10.0
-
-
-class _Move(_Section):
-    name: Annotated[str, PlainValidator(checks.read_move_name)]
-    distance: Annotated[float, PlainValidator(checks.read_distance)]
-    limits: Annotated[str, PlainValidator(checks.read_limit_set)] = Field(
-        default=None, validate_default=True
-    )
-    settle_to: Annotated[float, PlainValidator(checks.read_settle_to)]
-
-
-class _Mode(_Section):
-    name: Annotated[str, PlainValidator(checks.read_mode_name)]
-    frequency: Annotated[float, checks.quantity_of(FREQUENCY)]
-    damping: Annotated[float, checks.quantity_of(checks.DAMPING)] = 0.0
-
-
-_LimitSet = Annotated[
-    dict[str, Annotated[Bound, PlainValidator(checks.read_bound)]],
-    BeforeValidator(checks.named_bounds),
-]
-
-
-class _File(_Section):
-    title: Annotated[str | None, PlainValidator(checks.read_name)] = None
-    position_unit: Annotated[str | None, PlainValidator(checks.read_position_unit)] = None
-    plant: _Plant
-    controller: _Controller
-    feedforward: _Feedforward = _Feedforward()
-    filter: FilterSection | None = None
-    limits: dict[str, _LimitSet] = Field(min_length=1)
-    modes: Annotated[tuple[_Mode, ...], BeforeValidator(checks.several_modes)] = ()
-    moves: Annotated[tuple[_Move, ...], BeforeValidator(checks.several_moves)]
 
 
 def load_scenario(
@@ -204,17 +145,32 @@ def load_scenario(
         placed = override(content, overrides or {})
     except ValueError as error:
         raise ScenarioError(f"{path}: {error}") from None
-    context = checks.context_of(content)
+    number = _format(path, content)
+    context, problems = context_of(content), []
     try:
-        checked = _File.model_validate(content, context=context)
+        checked: Any = FORMATS[number].model_validate(content, context=context)
     except ValidationError as error:
         problems = error.errors(include_url=False)
     else:
-        first = content["moves"][0]["distance"]
-        texts = tuple(placed.values())
-        return _scenario(path, checked, context.motions[0], unit_of(first), texts)
-    lines = (f"{path}: {_whose(p, placed)}{problem_line(p)}" for p in problems)
+        try:
+            return _scenario(path, checked, context, content, tuple(placed.values()))
+        except ValueError as error:
+            raise ScenarioError(f"{path}: {error}") from None
+    lines = (f"{path}: {_whose(p, placed)}{line}" for p, line in lines_of(problems, number))
     raise ScenarioError("\n".join(lines))
+
+
+def _format(path: Path, content: dict[str, Any]) -> int:
+    """Return the number of a file's format, 1 where it says none."""
+    number = content.get("format", 1)
+    if number == 1 and type(number) is int:
+        content.pop("format", None)
+    elif number != 2 or type(number) is not int:
+        raise ScenarioError(
+            f"{path}: format: {show(number)} is not known; write format = 2, or leave it out for "
+            "a file of format 1"
+        )
+    return number
 
 
 def as_scenario(
@@ -252,32 +208,90 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _scenario(
-    path: Path, checked: _File, motion: Motion, first_unit: str, overrides: tuple[str, ...]
+    path: Path,
+    checked: File | FileOf2,
+    context: Context,
+    content: dict[str, Any],
+    overrides: tuple[str, ...],
 ) -> Scenario:
-    feedforward, asked = checked.feedforward, checked.controller.specification
+    asked = checked.controller.specification
+    more = _more(checked) if isinstance(checked, FileOf2) else {}
+    inertia, assumed = _inertia(checked), checked.feedforward.inertia
     return Scenario(
         path=path,
         title=checked.title or path.stem,
-        motion=motion,
-        position_unit=checked.position_unit or first_unit,
-        inertia=checked.plant.inertia,
-        gains=checked.controller.gains,
+        motion=context.motions[0],
+        position_unit=checked.position_unit
+        or unit_of(str(context.plain(content["moves"][0]["distance"]))),
+        inertia=inertia,
+        gains=_gains(checked.controller.gains),
         specification=None if asked is None else Specification(**vars(asked)),
-        feedforward_inertia=feedforward.inertia or checked.plant.inertia,
-        inertia_error=feedforward.error / 100.0,
+        feedforward_inertia=inertia if assumed is None else assumed,
+        inertia_error=checked.feedforward.error / 100.0,
         filter=checked.filter,
-        moves=tuple(_move(move, checked.limits[move.limits]) for move in checked.moves),
+        moves=tuple(_move(move, checked) for move in checked.moves),
         modes=tuple(Mode(m.name, m.frequency, m.damping / 100.0) for m in checked.modes),
         overrides=overrides,
+        **more,
     )
 
 
-def _move(move: _Move, limits: dict[str, Bound]) -> Move:
-    order = 1 + max(checks.LIMIT_KEYS.index(key) for key in limits)
+def _gains(gains: Any) -> GainRule | Gains | CascadeSection:
+    return Gains(gains.kp, gains.ki, gains.kr) if isinstance(gains, PidSection) else gains
+
+
+def _inertia(checked: File | FileOf2) -> float:
+    """Return the inertia of all that moves; nan of a plant given as a transfer function."""
+    if isinstance(checked, File):
+        return checked.plant.inertia
+    plant = checked.plant
+    given = plant.inertia or plant.mass
+    return given or (sum(plant.chain.masses) if plant.chain else math.nan)
+
+
+def _more(checked: FileOf2) -> dict[str, Any]:
+    """Return what only files of format 2 say."""
+    return {
+        "plant": _part(PlantSection, checked.plant),
+        "controller": _part(ControllerSection, checked.controller),
+        "feedforward": _part(FeedforwardSection, checked.feedforward),
+        "tracking": checked.tracking,
+        "limit_sets": {name: bounds_of(limits) for name, limits in checked.limits.items()},
+        "disturbances": checked.disturbances,
+        "requirements": checked.requirements,
+    }
+
+
+def _part(kind: type[_Table], whole: Any) -> _Table:
+    """Return the part of a table that is of a kind."""
+    return kind(**{field.name: getattr(whole, field.name) for field in fields(kind)})  # type: ignore[arg-type]
+
+
+def _move(move: MoveSection, checked: File | FileOf2) -> Move:
+    limits = checked.limits[move.limits]
+    own = {} if isinstance(checked, File) else _shaped(move, checked)
     return Move(
         name=move.name,
         distance=move.distance,
-        bounds=tuple(limits.get(key, math.inf) for key in checks.LIMIT_KEYS[:order]),
+        bounds=bounds_of(limits),
         limits_name=move.limits,
         settle_to=move.settle_to,
+        **own,
     )
+
+
+def bounds_of(limits: Mapping[str, Bound]) -> tuple[Bound, ...]:
+    """Return a set of limits as bounds on the derivatives from the first on."""
+    order = 1 + max(checks.LIMIT_KEYS.index(key) for key in limits)
+    return tuple(limits.get(key, math.inf) for key in checks.LIMIT_KEYS[:order])
+
+
+def _shaped(move: Any, checked: FileOf2) -> dict[str, Any]:
+    """Return what only a move of format 2 has."""
+    shaper = checked.shaper if move.shaper is None else move.shaper
+    try:
+        shapers = () if shaper in (None, "none") else shapers_of(shaper, checked)
+    except ValueError as error:
+        where = "shaper" if move.shaper is None else f"moves.{move.name}.shaper"
+        raise ValueError(f"{where}: {error}") from None
+    return {"shapers": shapers, "duration": move.duration, "round_to": move.round_to}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..analysis.specification import Move
+from ..analysis.surveyed_moves import planned
 from ..fmu import (
     CExport,
     FmuExport,
@@ -15,7 +16,7 @@ from ..fmu import (
     export_c,
     export_fmu,
 )
-from ..shaping import CommandFollower, Limits, Trajectory, min_time_move
+from ..shaping import CommandFollower, Limits, Trajectory
 from .scenario import Scenario
 from .scenario_loop import jerk_filter_of, servo_loop_of
 
@@ -193,6 +194,6 @@ def trajectory_of(scenario: Scenario, move: str | None) -> Trajectory:
     """Return the trajectory of a move, in rad or m."""
     chosen = find_move(scenario, move)
     try:
-        return min_time_move(chosen.distance, Limits.from_bounds(chosen.bounds))
+        return planned(chosen)
     except ValueError as error:
         raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None

@@ -1,29 +1,17 @@
 """The checks of a scenario file's values: what each key accepts, and its value in SI units."""
 
 import math
-from collections import Counter
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
 from typing import Any, cast
 
-from pydantic import PlainValidator, ValidationInfo, ValidatorFunctionWrapHandler
+from pydantic import BeforeValidator, ValidationInfo, ValidatorFunctionWrapHandler, WithJsonSchema
 
 from ..analysis.specification import Bound
 from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES
+from .scenario_context import INERTIA_KINDS, Context, positive_kind
+from .scenario_keys import Key, Quantity, quantity_schema
 from .scenario_messages import unknown_key, what_to_write
-from .units import (
-    Kind,
-    Motion,
-    UnitError,
-    motion_kind,
-    parse_any,
-    parse_motion,
-    parse_quantity,
-    parse_unit,
-    show,
-)
+from .units import Kind, Motion, motion_kind, parse_unit, show
 
 HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 HIGHEST_FILTER_ORDER = 50
@@ -34,80 +22,30 @@ LIMIT_KEYS = DERIVATIVE_NAMES[1:] + tuple(
 _LIMIT_KEYS_SHOWN = (*DERIVATIVE_NAMES[1:], f"derivative_7 to derivative_{HIGHEST_DERIVATIVE}")
 
 
-def _positive(name: str, example: str, *, below: float = math.inf) -> Kind:
-    unit = example.split(maxsplit=1)[1]
-    return Kind(name=name, unit=unit, example=example, above=0.0, below=below)
-
-
-PHASE_MARGIN = _positive("an angle between 0 and 90 deg", "45 deg", below=90.0)
-GAIN_MARGIN = _positive("a positive ratio in dB", "12 dB")
-PERCENTAGE = _positive("a percentage between 0 and 100 %", "10 %", below=100.0)
+PHASE_MARGIN = positive_kind("an angle between 0 and 90 deg", "45 deg", below=90.0)
+GAIN_MARGIN = positive_kind("a positive ratio in dB", "12 dB")
+PERCENTAGE = positive_kind("a percentage between 0 and 100 %", "10 %", below=100.0)
 DAMPING = Kind(
     name="a damping from 0 to below 100 %", unit="%", example="2 %", least=0.0, below=100.0
 )
-_INERTIA: dict[Motion, tuple[Kind, ...]] = {
-    "angle": (
-        _positive("a positive moment of inertia for angular moves", "1 kg m^2"),
-        _positive("a positive torque per angular acceleration", "1 N m s^2/rad"),
-    ),
-    "length": (_positive("a positive mass for linear moves", "1 kg"),),
-}
 GAIN_UNITS: dict[Motion, dict[str, str]] = {
     "angle": {"kp": "N m/rad", "ki": "N m/(rad s)", "kr": "N m s/rad"},
     "length": {"kp": "N/m", "ki": "N/(m s)", "kr": "N s/m"},
 }
 
 
-@dataclass(frozen=True)
-class Context:
-    """What the check of one key must know of the rest of the file."""
-
-    motions: tuple[Motion, ...]
-    limit_sets: tuple[str, ...]
-    moves: set[str] = field(default_factory=set)
-    modes: set[str] = field(default_factory=set)
-
-    def quantity(self, value: object, kinds: Callable[[Motion], Sequence[Kind]]) -> float:
-        """Return a quantity of a kind that fits the file's motions."""
-        return parse_any(value, [kind for motion in self.motions for kind in kinds(motion)])[0]
-
-    def moved(self, value: object, derivative: int, *, positive: bool = False) -> float:
-        """Return a position or one of its derivatives."""
-        return self.quantity(value, lambda m: [motion_kind(m, derivative, positive=positive)])
-
-
-def context_of(content: dict[str, Any]) -> Context:
-    """Return the context of a file: what most quantities say they are, so that a slip shows."""
-    plant, moves = content.get("plant"), content.get("moves")
-    votes: Counter[Motion] = Counter()
-    if isinstance(plant, dict):
-        for motion, kinds in _INERTIA.items():
-            with suppress(UnitError):
-                parse_any(plant.get("inertia"), kinds)
-                votes[motion] += 1
-    for move in moves if isinstance(moves, list) else ():
-        for key in ("distance", "settle_to") if isinstance(move, dict) else ():
-            with suppress(UnitError):
-                votes[parse_motion(move.get(key), 0)[1]] += 1
-    sets = content.get("limits")
-    return Context(
-        motions=(votes.most_common(1)[0][0],) if votes else ("angle", "length"),
-        limit_sets=tuple(sets) if isinstance(sets, dict) else (),
-    )
-
-
 def _context(info: ValidationInfo) -> Context:
     return cast(Context, info.context)
 
 
-def quantity_of(kind: Kind) -> PlainValidator:
+def quantity_of(kind: Kind) -> Quantity:
     """Return the check of a key that takes one kind of quantity."""
-    return PlainValidator(lambda value: parse_quantity(value, kind))
+    return Quantity((kind,), (kind,))
 
 
 def read_inertia(value: object, info: ValidationInfo) -> float:
     """Return an inertia, which is a mass for linear moves."""
-    return _context(info).quantity(value, lambda motion: _INERTIA[motion])
+    return _context(info).quantity(value, lambda motion: INERTIA_KINDS[motion])
 
 
 def read_gain(value: object, info: ValidationInfo) -> float:
@@ -142,6 +80,12 @@ def read_mode_name(value: object, info: ValidationInfo) -> str:
     return _new_name(value, "mode", _context(info).modes)
 
 
+def read_tracking_name(value: object, info: ValidationInfo) -> str:
+    """Return the name of a tracking, which neither a move nor an earlier one has."""
+    context = _context(info)
+    return _new_name(value, "tracking", context.tracking)
+
+
 def _new_name(value: object, of_what: str, taken: set[str]) -> str:
     name = read_name(value)
     if name in taken:
@@ -152,27 +96,31 @@ def _new_name(value: object, of_what: str, taken: set[str]) -> str:
     return name
 
 
-def read_filter_order(value: object) -> int:
-    """Return the number of poles of the filter."""
-    whole = value if isinstance(value, int) and not isinstance(value, bool) else 0
-    if not 1 <= whole <= HIGHEST_FILTER_ORDER:
-        raise ValueError(
-            f"{show(value)} is not a whole number from 1 to {HIGHEST_FILTER_ORDER}; "
-            "write one without quotation marks such as order = 6"
-        )
-    return whole
+def whole(most: int, example: str) -> Key:
+    """Return a key that takes a whole number from 1 on."""
+
+    def read(value: object) -> int:
+        number = value if isinstance(value, int) and not isinstance(value, bool) else 0
+        if not 1 <= number <= most:
+            raise ValueError(
+                f"{show(value)} is not a whole number from 1 to {most}; "
+                f"write one without quotation marks such as {example}"
+            )
+        return number
+
+    return Key(read, {"type": "integer", "minimum": 1, "maximum": most})
 
 
-def read_gains(value: object, gains_of: ValidatorFunctionWrapHandler) -> Any:
-    """Return the rule for the gains, or the gains of a table."""
-    if value in ("design", "published"):
-        return value
-    if not isinstance(value, dict):
-        table = what_to_write("controller", "gains")
-        raise ValueError(
-            f"{show(value)} is not known; write 'design', 'published' or a table {table}"
-        )
-    return gains_of(value)
+def read_mode_names(value: object) -> tuple[str, ...]:
+    """Return names of modes."""
+    if not isinstance(value, list) or not value:
+        raise ValueError(f'{show(value)} is not a list of names; write one such as ["tower"]')
+    return tuple(map(read_name, value))
+
+
+def kind_of_gains(value: object) -> object:
+    """Return a table of gains with its kind, that of a PID where it says none."""
+    return {"kind": "pid", **value} if isinstance(value, dict) else value
 
 
 def read_specification(
@@ -238,22 +186,57 @@ def read_settle_to(value: object, info: ValidationInfo) -> float:
     return tolerance
 
 
-def several_moves(value: object) -> object:
-    """Refuse what is not a list of moves, or an empty one."""
-    return _listed(value, "moves", least=1)
+def listed(key: str, *, least: int = 0, write: str | None = None) -> BeforeValidator:
+    """Return a check that refuses what is not a list of moves, or modes, or too short a one."""
 
+    def check(value: object) -> object:
+        if not isinstance(value, list) or len(value) < least:
+            remedy = what_to_write(key) if write is None else write
+            raise ValueError(f"{show(value)} is not a list of {key}; write {remedy}")
+        return value
 
-def several_modes(value: object) -> object:
-    """Refuse what is not a list of modes."""
-    return _listed(value, "modes", least=0)
-
-
-def _listed(value: object, key: str, *, least: int) -> object:
-    if not isinstance(value, list) or len(value) < least:
-        raise ValueError(f"{show(value)} is not a list of {key}; write {what_to_write(key)}")
-    return value
+    return BeforeValidator(check)
 
 
 def read_position_unit(value: object, info: ValidationInfo) -> str:
     """Return the unit in which positions are reported."""
     return parse_unit(value, [motion_kind(motion, 0) for motion in _context(info).motions])
+
+
+def _text(description: str, example: str) -> dict[str, Any]:
+    return {"type": "string", "description": description, "examples": [example]}
+
+
+def _moved_schema(derivative: int = 0, *, positive: bool = False) -> dict[str, Any]:
+    kinds = (motion_kind(motion, derivative, positive=positive) for motion in INERTIA_KINDS)
+    return quantity_schema(*kinds)
+
+
+_NAME = _text("a name", "azimuth offset")
+INERTIA = Key(
+    read_inertia, quantity_schema(*(k for kinds in INERTIA_KINDS.values() for k in kinds))
+)
+GAIN = Key(read_gain, _text("a gain of the PID controller", "2 N m/rad"))
+NAME = Key(read_name, _NAME)
+MOVE_NAME = Key(read_move_name, _NAME)
+MODE_NAME = Key(read_mode_name, _NAME)
+TRACKING_NAME = Key(read_tracking_name, _NAME)
+MODE_NAMES = Key(read_mode_names, {"type": "array", "items": _NAME, "minItems": 1})
+FILTER_ORDER = whole(HIGHEST_FILTER_ORDER, "order = 6")
+_ONE_BOUND = _text("a bound on the derivative that the key names", "0.2 deg/s^2")
+_BOUND = {
+    "anyOf": [_ONE_BOUND, {"type": "array", "items": _ONE_BOUND, "minItems": 2, "maxItems": 2}]
+}
+LIMIT_SET = Key(read_limit_set, _text("the name of a set of limits", "axis"))
+DISTANCE = Key(read_distance, _moved_schema())
+SETTLE_TO = Key(read_settle_to, _moved_schema(positive=True))
+POSITION_UNIT = Key(read_position_unit, _text("the unit in which positions are told", "arcsec"))
+BOUND = Key(read_bound, _BOUND)
+LIMITS = WithJsonSchema(
+    {
+        "type": "object",
+        "properties": dict.fromkeys(LIMIT_KEYS, _BOUND),
+        "additionalProperties": False,
+        "minProperties": 1,
+    },
+)

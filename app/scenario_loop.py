@@ -1,11 +1,45 @@
-"""The loop and the filter that a scenario describes."""
+"""The loop that a scenario describes, with the filter behind its shaper."""
 
 from __future__ import annotations
 
-from ..plant import PID, Inertia, InertiaFeedforward, ServoLoop, design_pid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import isfinite
+from typing import Any
+
+from ..analysis.tuning import tune_pid
+from ..plant import (
+    PID,
+    Axis,
+    BackCalculation,
+    CascadedPI,
+    Clamp,
+    Controller,
+    Feedforward,
+    Inertia,
+    InertiaFeedforward,
+    LeadLag,
+    LowPass,
+    Notch,
+    ServoLoop,
+    design_pid,
+    inverse_feedforward,
+    low_frequency_feedforward,
+)
 from ..plant.pid import printed_pid
 from ..shaping import JerkFilter
 from .scenario import Gains, Scenario
+from .scenario_axis import plant_of
+from .scenario_sections import (
+    BackCalculationSection,
+    CascadeSection,
+    ClampSection,
+    ControllerSection,
+    LeadLagSection,
+    LowPassSection,
+    NotchSection,
+    TuneSection,
+)
 
 
 def jerk_filter_of(scenario: Scenario) -> JerkFilter | None:
@@ -15,26 +49,160 @@ def jerk_filter_of(scenario: Scenario) -> JerkFilter | None:
 
 
 def servo_loop_of(scenario: Scenario) -> ServoLoop:
-    """Return the loop, its gains designed where the scenario asks for that."""
+    """Return the loop, its gains designed where the scenario asks for that.
+
+    Raises
+    ------
+    ValueError
+        For an axis that cannot hold its load, a filter above the Nyquist frequency, a
+        specification out of reach, or an axis without exact inverse: one line, with the key.
+    """
+    plant = plant_of(scenario)
+    controller = controller_of(scenario, plant)
+    with _named(scenario, "feedforward"):
+        return ServoLoop(plant, controller, feedforward_of(scenario, plant, controller))
+
+
+@contextmanager
+def _named(scenario: Scenario, key: str) -> Iterator[None]:
+    """Name file and key in errors."""
     try:
-        controller = controller_of(scenario)
+        yield
     except ValueError as error:
-        raise ValueError(f"{scenario.path}: controller.specification: {error}") from None
-    feedforward = InertiaFeedforward(scenario.feedforward_inertia)
-    return ServoLoop(Inertia(scenario.inertia), controller, feedforward)
+        raise ValueError(f"{scenario.path}: {key}: {error}") from None
 
 
-def controller_of(scenario: Scenario) -> PID:
+def controller_of(scenario: Scenario, plant: Inertia | Axis) -> PID | CascadedPI | Controller:
     """Return the controller that a scenario gives or asks for."""
-    if isinstance(scenario.gains, Gains):
-        return PID(scenario.gains.kp, scenario.gains.ki, scenario.gains.kr)
-    if scenario.gains == "published":
-        return printed_pid(scenario.inertia)
+    if scenario.controller == ControllerSection():
+        with _named(scenario, "controller.specification"):
+            return _law(scenario, plant, {})
+    section, run = scenario.controller, _run(scenario)
+    law: PID | CascadedPI
+    if scenario.gains == "design":
+        with _named(scenario, "controller.specification"):
+            law = _designed(scenario, plant, run)
+    else:
+        with _named(scenario, "controller.gains"):
+            law = _law(scenario, plant, run)
+    windup = _anti_windup(section.anti_windup)
+    whole = Controller(law, **run, anti_windup=windup, discretisation=section.discretisation)
+    return law if whole == Controller(law) else whole
+
+
+def _run(scenario: Scenario) -> dict[str, Any]:
+    """Return how the controller is run, each filter checked."""
+    section, filters = scenario.controller, []
+    for number, given in enumerate(section.filters):
+        with _named(scenario, f"controller.filters[{number}]"):
+            filters.append(_filter(given))
+            Controller(PID(1.0, 0.0, 0.0), filters=filters[-1:], sample_time=section.sample_time)
+    return {
+        "filters": tuple(filters),
+        "sample_time": section.sample_time,
+        "delay": section.delay,
+    }
+
+
+def _law(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID | CascadedPI:
+    gains, filtered = scenario.gains, scenario.controller.derivative_filter
+    if isinstance(gains, CascadeSection):
+        return _cascade(gains, filtered)
+    if isinstance(gains, Gains):
+        return PID(gains.kp, gains.ki, gains.kr, derivative_filter=filtered)
+    if gains == "published":
+        printed = printed_pid(scenario.inertia)
+        return PID(printed.kp, printed.ki, printed.kr, derivative_filter=filtered)
+    if gains == "tune":
+        bounds = scenario.controller.tune or TuneSection()
+        return tune_pid(plant, derivative_filter=filtered, **vars(bounds), **run).pid
+    return _designed(scenario, plant, run)
+
+
+def _designed(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID:
     asked = scenario.specification
     assert asked is not None  # the scenario's own check
-    return design_pid(
-        scenario.inertia,
-        crossover_hz=asked.crossover_hz,
-        phase_margin_deg=asked.phase_margin_deg,
-        lower_gain_margin_db=asked.lower_gain_margin_db,
+    filtered = scenario.controller.derivative_filter
+    try:
+        return design_pid(plant, derivative_filter=filtered, **vars(asked), **run)
+    except ValueError as error:
+        found = str(error).replace("let analysis.tune_pid find the gains", 'write gains = "tune"')
+        raise ValueError(found) from None
+
+
+def _cascade(gains: CascadeSection, filtered: float) -> CascadedPI:
+    if filtered:
+        raise ValueError(
+            "derivative_filter is of a PID: write velocity_filter into the gains of the p-pi"
+        )
+    rest = {} if gains.reset_time is None else {"reset_time": gains.reset_time}
+    return CascadedPI(
+        gains.position_gain,
+        gains.velocity_gain,
+        velocity_filter=gains.velocity_filter,
+        velocity_feedforward=gains.velocity_feedforward,
+        **rest,
     )
+
+
+def _filter(given: Any) -> Any:
+    if isinstance(given, NotchSection):
+        return Notch(
+            given.frequency,
+            given.pole_frequency,
+            zero_damping=given.zero_damping,
+            pole_damping=given.pole_damping,
+        )
+    if isinstance(given, LeadLagSection):
+        return LeadLag(given.zero, given.pole)
+    if isinstance(given, LowPassSection):
+        return LowPass(given.corner, given.order, given.damping)
+    import control
+
+    return control.tf(given.numerator, given.denominator)
+
+
+def _anti_windup(given: Any) -> Any:
+    if isinstance(given, BackCalculationSection):
+        return BackCalculation(given.tracking_time)
+    if isinstance(given, ClampSection):
+        return Clamp(given.integral_limit)
+    return None if given == "none" else given
+
+
+def feedforward_of(
+    scenario: Scenario, plant: Inertia | Axis, controller: Any
+) -> InertiaFeedforward | Feedforward | None:
+    """Return the feedforward; the plant's inertia where the scenario says nothing else."""
+    section, lead = scenario.feedforward, _lead(scenario)
+    if section.inverse:
+        find = inverse_feedforward if section.inverse is True else low_frequency_feedforward
+        try:
+            found = find(plant, controller=controller)
+        except ValueError as error:
+            use, remedy = "use low_frequency_feedforward(axis)", 'write inverse = "low-frequency"'
+            raise ValueError(str(error).replace(use, remedy)) from None
+        return Feedforward(
+            found.torque,
+            position=found.position,
+            friction=section.friction or found.friction,
+            lead=lead,
+        )
+    inertia = scenario.feedforward_inertia
+    if not (section.gains or section.friction or lead):
+        return InertiaFeedforward(inertia) if isfinite(inertia) else None
+    assumed = {2: inertia} if isfinite(inertia) else {}
+    return Feedforward(assumed | section.gains, friction=section.friction, lead=lead)
+
+
+def _lead(scenario: Scenario) -> float:
+    """Return by how much the feedforward looks ahead; "auto" makes up for delay and hold."""
+    lead, controller = scenario.feedforward.lead, scenario.controller
+    if not isinstance(lead, str):
+        return lead
+    if controller.sample_time is None:
+        raise ValueError(
+            "lead = 'auto' without a sample time: a continuous loop has no delay to make up for; "
+            "leave it out"
+        )
+    return controller.delay + 0.5 * controller.sample_time

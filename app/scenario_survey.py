@@ -10,6 +10,7 @@ from typing import Any
 from ..analysis.loop_survey import Survey, UnstableLoopError, survey
 from ..analysis.specification import Labels
 from .scenario import Scenario, as_scenario
+from .scenario_commands import survey_conditions
 from .scenario_loop import jerk_filter_of, servo_loop_of
 
 
@@ -72,6 +73,7 @@ def survey_file(
             modes=scenario.modes,
             specification=scenario.specification,
             inertia_error=scenario.inertia_error,
+            **survey_conditions(scenario),
             labels=Labels(scenario.title, *shown),
         )
     except ValueError as error:

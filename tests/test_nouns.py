@@ -138,6 +138,8 @@ NOUNS = [
     Controller(PID(1.0, 2.0, 3.0), filters=LowPass(1.0), sample_time=0.1, delay=0.1),
     Feedforward({2: 1.0}, position={"jerk": 2.0}),
     Ramp(1.0),
+    Ripple.sine(1.0, 0.1),
+    Axis(2.0, ripple=Ripple([0.0, 0.5], [1.0, -1.0], 1.0)),
     Sine(1.0, 2.0),
     Ramp(1.0) + Sine(1.0, 2.0),
     TorqueSteps([1.0], [2.0]),

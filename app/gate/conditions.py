@@ -1,21 +1,26 @@
 """What a scenario's numbers depend on: its conditions and its design, and what changed of them.
 
 Conditions say what is asked and given: plant, specification, moves with their distances, limits
-and tolerances, the filter that bounds their jerk, modes, the error of Ĵ. Change one, and a number
-of the same name means another thing. The design answers them: the gains, the feedforward's Ĵ. It
-may change as long as the numbers stand the comparison.
+and tolerances, the filter that bounds their jerk, modes, tracking, disturbances, sample time and
+delay, the error of Ĵ. Change one, and a number of the same name means another thing. The design
+answers them: the gains, the controller's filters, the feedforward. It may change as long as the
+numbers stand the comparison.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass
-from math import inf, isclose
-from typing import Any, Literal
+from dataclasses import Field, dataclass, fields, is_dataclass
+from math import inf, isclose, isnan
+from typing import Any, Literal, get_type_hints
 
+from ...analysis.specification import Mode
+from ...shaping import InputShaper
 from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
+from ..scenario_asked import FileSection, ScanSection
 from ..scenario_checks import GAIN_UNITS
+from ..scenario_keys import Quantity
 from ..scenario_messages import key_path
 from ..units import UnitError, conversion
 from .numbers import Key
@@ -25,9 +30,19 @@ Conditions = Mapping[Key, str]
 
 NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
-_ORIGIN = ("path", "title", "motion", "position_unit", "overrides", "limits_name", "name")
-_DESIGN = (("controller", "gains"), ("feedforward", "inertia"))
-_ENTRIES = ("moves", "modes")
+_ORIGIN = (
+    *("path", "title", "motion", "position_unit", "overrides", "limits_name", "name"),
+    *("limit_sets", "requirements"),
+)
+_CONTROLLER = ("gains", "filters", "derivative_filter", "anti_windup", "discretisation")
+_FEEDFORWARD = (
+    *("inertia", "velocity", "acceleration", "jerk", "snap", "friction", "inverse", "lead"),
+)
+_DESIGN = (
+    *(("controller", name) for name in _CONTROLLER),
+    *(("feedforward", name) for name in _FEEDFORWARD),
+)
+_ENTRIES = ("moves", "modes", "tracking")
 _KEYS: dict[str, Key] = {
     "inertia": ("plant", "inertia"),
     "gains": ("controller", "gains"),
@@ -133,18 +148,30 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
     """Yield key and text of each value in a dataclass, and in those within it."""
     for field in fields(part):
         value = getattr(part, field.name)
-        if field.name in _ORIGIN:
+        if field.name in _ORIGIN or _is_left_out(part, field, value):
             continue
         key = (*where, *_key_of(field.name))
         if field.name == "bounds":
             yield from _limits(value, key, scenario)
-        elif is_dataclass(value):
+        elif isinstance(part, ScanSection | FileSection) and field.name == "limits":
+            yield from _limits(scenario.limit_sets[value], key, scenario)
+        elif is_dataclass(value) and not isinstance(value, type):
             yield from _leaves(value, key, scenario)
-        elif isinstance(value, tuple) and all(map(is_dataclass, value)):
-            for entry in value:
-                yield from _leaves(entry, (*key, entry.name), scenario)
+        elif isinstance(value, tuple) and value and all(map(_is_table, value)):
+            for number, entry in enumerate(value):
+                name = getattr(entry, "name", None) or str(number)
+                yield from _leaves(entry, (*key, name), scenario)
         else:
-            yield key, _text(value, field.name, scenario)
+            yield key, _text(part, field.name, value, scenario)
+
+
+def _is_left_out(part: Any, field: Field[Any], value: Any) -> bool:
+    """Whether a value stands for what a file leaves out; those of format 1 are told, too."""
+    return not isinstance(part, Scenario | Mode) and bool(value == field.default)
+
+
+def _is_table(value: Any) -> bool:
+    return is_dataclass(value) and not isinstance(value, type | InputShaper)
 
 
 def _key_of(name: str) -> Key:
@@ -164,12 +191,23 @@ def _limits(bounds: tuple[Any, ...], key: Key, scenario: Scenario) -> Iterator[t
             yield (*key, derivative_name(k).replace(" ", "_")), f"{texts} {unit}"
 
 
-def _text(value: Any, name: str, scenario: Scenario) -> str:
+def _text(part: Any, name: str, value: Any, scenario: Scenario) -> str:
     """Return a value with its unit."""
-    if value is None:
+    if value is None or value == ():
         return NONE
-    if not isinstance(value, float):
-        return str(value)
+    if name == "shapers":
+        return " ".join(_number(each) for shaper in value for each in _parts(shaper))
+    if isinstance(value, tuple):
+        kind = _quantity_of(type(part), name)
+        unit = "" if kind is None else kind.kinds(scenario.motion)[0].unit
+        return f"{' '.join(map(_number, value))} {unit}".strip()
+    if isinstance(value, bool) or not isinstance(value, float):
+        return str(value).lower() if isinstance(value, bool) else str(value)
+    if isnan(value):
+        return NONE
+    kind = _quantity_of(type(part), name)
+    if kind is not None:
+        return f"{_number(value / kind.scale)} {kind.kinds(scenario.motion)[0].unit}"
     if name in _FRACTIONS:
         return f"{_number(100.0 * value)} %"
     if name in _POSITIONS:
@@ -177,12 +215,27 @@ def _text(value: Any, name: str, scenario: Scenario) -> str:
     return f"{_number(value)} {_unit(name, scenario)}".strip()
 
 
+def _parts(shaper: InputShaper) -> Iterator[float]:
+    """Yield times and amplitudes of a shaper."""
+    yield from shaper.times.tolist()
+    yield from shaper.amplitudes.tolist()
+
+
 def _unit(name: str, scenario: Scenario) -> str:
     if name in GAIN_UNITS[scenario.motion]:
         return GAIN_UNITS[scenario.motion][name]
     if name.endswith("inertia"):
         return "kg m^2" if scenario.motion == "angle" else "kg"
+    if name in ("duration", "round_to"):
+        return "s"
     return next((unit for suffix, unit in _SUFFIXES.items() if name.endswith(suffix)), "")
+
+
+def _quantity_of(kind: type, name: str) -> Quantity | None:
+    """Return what a key of a table of format 2 takes, where that is a quantity."""
+    hint = get_type_hints(kind, include_extras=True).get(name)
+    found = (each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Quantity))
+    return next(found, None)
 
 
 def _number(value: float) -> str:

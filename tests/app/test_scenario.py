@@ -1,6 +1,7 @@
 """Scenario files: values in SI units, optional keys, moves and limits, the examples."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -89,12 +90,12 @@ def test_examples_load(name, gains):
 
 
 def test_every_example_is_tested():
+    """Those of format 2 in test_scenario_examples.py."""
+    ideal = {"telescope.toml", "telescope_published_gains.toml", "rubin_mount.toml"}
     scenarios = {path.name for path in EXAMPLES.glob("*.toml")} - {"telescope.check.toml"}
-    assert scenarios == {
-        "telescope.toml",
-        "telescope_published_gains.toml",
-        "rubin_mount.toml",
-    }
+    assert {
+        name for name in scenarios if "format = 2" not in (EXAMPLES / name).read_text()
+    } == ideal
 
 
 def test_rubin_limits_are_those_of_the_requirement():
@@ -102,6 +103,16 @@ def test_rubin_limits_are_those_of_the_requirement():
     expected = tuple(DEGREE * bound for bound in (10.5, 10.5, 42.0))
     assert azimuth.bounds == pytest.approx(expected, rel=4e-16)
     assert elevation.bounds == pytest.approx(tuple(b / 2 for b in expected), rel=4e-16)
+
+
+def test_a_file_of_format_1_may_say_so(write):
+    assert load_scenario(write("format = 1\n" + GOOD)) == load_scenario(write(GOOD))
+
+
+def test_a_file_of_format_1_is_one_of_format_2_too(write):
+    assert load_scenario(write("format = 2\n" + GOOD + MODES)).inertia == 2.0
+    same = [load_scenario(write(head + GOOD + MODES)) for head in ("", "format = 2\n")]
+    assert replace(same[1], limit_sets={}) == same[0]
 
 
 def test_the_built_in_example_of_all_keys_is_itself_a_scenario(write):

@@ -135,7 +135,7 @@ def test_a_problem_is_one_line_with_key_value_and_remedy(write, old, new, line):
     ("text", "line"),
     [
         ("colour = 3\n" + GOOD, "colour: unknown key (with 3); accepted: title, position_unit,"),
-        ("tilte = 3\n" + GOOD, "moves; did you mean title?"),
+        ("tilte = 3\n" + GOOD, "moves, format; did you mean title?"),
         ("title = 3\n" + GOOD, "title: 3 is not a name; write printable text such as"),
         ('position_unit = "m"\n' + GOOD, "position_unit: 'm' has the wrong dimension; write the u"),
         ("position_unit = 3\n" + GOOD, "position_unit: 3 is not a unit in quotation marks; write"),

@@ -15,6 +15,7 @@ SPELLED = {
     "urad": "microradian",
     "us": "microsecond",
     "mas": "milliarcsecond",
+    "mil": "thou",
     "rev": "turn",
 }
 

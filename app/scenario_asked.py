@@ -1,0 +1,175 @@
+"""The tables of a scenario file of format 2 that say what is asked: commands and disturbances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from ..shaping.derivatives import DERIVATIVE_NAMES
+from . import scenario_kinds as kinds
+from .scenario_checks import LIMIT_SET, MODE_NAMES, NAME, POSITION_UNIT, TRACKING_NAME, whole
+from .scenario_keys import choice
+
+_CLOSED: ConfigDict = ConfigDict(extra="forbid")
+_MISSING: Any = None
+ShaperKind = Literal["ZV", "ZVD", "ZVDD", "EI"]
+_On = Annotated[Literal["motor", "load"], choice("motor", "load")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeedforwardSection:
+    """Feedforward by the command's derivatives, all but that of an estimated inertia."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    velocity: Annotated[float | None, kinds.gain(1, "viscous friction", "")] = None
+    acceleration: Annotated[float | None, kinds.gain(2, "torque per acceleration", "")] = None
+    jerk: Annotated[float | None, kinds.gain(3, "torque per jerk", "")] = None
+    snap: Annotated[float | None, kinds.gain(4, "torque per snap", "")] = None
+    friction: Annotated[float, kinds.torque("not below zero")] = 0.0
+    inverse: Annotated[bool | Literal["low-frequency"], choice(True, False, "low-frequency")] = (
+        False
+    )
+    lead: Annotated[float | Literal["auto"], kinds.LEAD] = 0.0
+
+    @property
+    def gains(self) -> dict[int, float]:
+        """Torque by number of the command's derivative, as far as given."""
+        given = {k: getattr(self, name) for k, name in enumerate(DERIVATIVE_NAMES[:5]) if k}
+        return {k: gain for k, gain in given.items() if gain is not None}
+
+    def __post_init__(self) -> None:
+        if self.inverse and self.gains:
+            names = ", ".join(DERIVATIVE_NAMES[k] for k in self.gains)
+            raise ValueError(
+                f"has an inverse beside {names}, which the inverse has; keep one of the two"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaperSection:
+    """An input shaper behind each planned move."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    kind: Annotated[ShaperKind, choice("ZV", "ZVD", "ZVDD", "EI")]
+    modes: Annotated[tuple[str, ...] | None, MODE_NAMES] = None
+    frequency: Annotated[float | None, kinds.HERTZ] = None
+    damping: Annotated[float, kinds.DAMPING] = 0.0
+    vibration: Annotated[float, kinds.SHARE] = 0.05
+
+    def __post_init__(self) -> None:
+        if (self.modes is None) == (self.frequency is None):
+            raise ValueError(
+                'needs a mode to null: write either modes = ["tower"], names of modes of this '
+                'file, or frequency = "6 Hz"'
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SineSection:
+    """A sinusoidal command."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    amplitude: Annotated[float, kinds.moved(sign="positive")]
+    frequency: Annotated[float, kinds.HERTZ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScanSection:
+    """Lines at constant velocity, back and forth."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    length: Annotated[float, kinds.moved()]
+    rate: Annotated[float, kinds.moved(1, sign="positive")]
+    lines: Annotated[int, whole(1000, "lines = 2")] = 1
+    limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileSection:
+    """Positions over time in a CSV file, followed within limits."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    path: Annotated[str, NAME]
+    unit: Annotated[str | None, POSITION_UNIT] = None
+    time: Annotated[str, NAME] = "0"
+    position: Annotated[str, NAME] = "1"
+    sample_time: Annotated[float, kinds.SECONDS] = 1e-3
+    limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingSection:
+    """A command that goes on: a rate, a sine, both together, a scan or a file."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    name: Annotated[str, TRACKING_NAME]
+    rate: Annotated[float | Literal["sidereal"] | None, kinds.RATE] = None
+    sine: SineSection | None = None
+    scan: ScanSection | None = None
+    file: FileSection | None = None
+    duration: Annotated[float | None, kinds.SECONDS] = None
+    after: Annotated[float, kinds.TIME] = 0.0
+
+    def __post_init__(self) -> None:
+        endless = self.rate is not None or self.sine is not None
+        if endless + (self.scan is not None) + (self.file is not None) != 1:
+            raise ValueError(
+                'needs one command: write rate = "15 arcsec/s" or "sidereal", a sine, both '
+                "together, or a scan or a file alone"
+            )
+        if endless and self.duration is None:
+            raise ValueError('goes on for ever; write duration = "10 s"')
+        if self.duration is not None and self.after >= self.duration:
+            raise ValueError(
+                f"counts errors after {self.after:g} s of {self.duration:g} s; write a longer "
+                "duration or a smaller after"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueStepSection:
+    """A disturbing torque that comes and stays."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    torque: Annotated[float, kinds.torque()]
+    time: Annotated[float, kinds.TIME] = 0.0
+    on: _On = "motor"
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindSection:
+    """A random torque."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    kind: Annotated[
+        Literal["first_order", "double_pole", "von_karman"],
+        choice("first_order", "double_pole", "von_karman"),
+    ]
+    sigma: Annotated[float, kinds.torque("positive")]
+    corner: Annotated[float | None, kinds.HERTZ] = None
+    length: Annotated[float | None, kinds.LENGTH] = None
+    speed: Annotated[float | None, kinds.SPEED] = None
+    on: _On = "load"
+
+    def __post_init__(self) -> None:
+        given = [name for name in ("corner", "length", "speed") if getattr(self, name) is not None]
+        wanted = ["length", "speed"] if self.kind == "von_karman" else ["corner"]
+        if given != wanted:
+            raise ValueError(
+                f"of kind {self.kind!r} has {', '.join(given) or 'no frequency'}; write "
+                + " and ".join({"corner": 'corner = "0.5 Hz"', "length": 'length = "80 m"',
+                                "speed": 'speed = "8 m/s"'}[name] for name in wanted)
+                + " alone"
+            )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class DisturbanceSection:
+    """What disturbs the loop."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    torque_step: TorqueStepSection | None = None
+    wind: WindSection | None = None
+    encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0

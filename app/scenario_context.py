@@ -1,0 +1,138 @@
+"""What the check of one key must know of the rest of a scenario file."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from decimal import Decimal, DecimalException
+from typing import Any
+
+from .units import (
+    Kind,
+    Motion,
+    UnitError,
+    motion_kind,
+    parse_any,
+    parse_motion,
+    parse_quantity,
+    show,
+)
+
+
+def positive_kind(name: str, example: str, *, below: float = math.inf) -> Kind:
+    """Return a kind of positive quantity."""
+    unit = example.split(maxsplit=1)[1]
+    return Kind(name=name, unit=unit, example=example, above=0.0, below=below)
+
+
+INERTIA_KINDS: dict[Motion, tuple[Kind, ...]] = {
+    "angle": (
+        positive_kind("a positive moment of inertia for angular moves", "1 kg m^2"),
+        positive_kind("a positive torque per angular acceleration", "1 N m s^2/rad"),
+    ),
+    "length": (positive_kind("a positive mass for linear moves", "1 kg"),),
+}
+_COUNTED = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(count|sample)s?\b(.*)", re.DOTALL)
+_PER_SECOND = re.compile(r"^\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*1?\s*/\s*s\s*$")
+_WHERE = {
+    "count": 'of an encoder that is not given; write encoder_step = "0.1 arcsec" into [plant]',
+    "sample": 'that are not given; write sample_time = "1 ms" into [controller]',
+}
+
+
+@dataclass(frozen=True)
+class Context:
+    """What the file moves, the names in it, and what a count and a sample are."""
+
+    motions: tuple[Motion, ...]
+    limit_sets: tuple[str, ...]
+    counted: dict[str, str] = field(default_factory=dict)
+    moves: set[str] = field(default_factory=set)
+    modes: set[str] = field(default_factory=set)
+    tracking: set[str] = field(default_factory=set)
+
+    def quantity(self, value: object, kinds: Callable[[Motion], Sequence[Kind]]) -> float:
+        """Return a quantity of a kind that fits the file's motions."""
+        accepted = list(dict.fromkeys(kind for m in self.motions for kind in kinds(m)))
+        if not accepted:
+            raise UnitError(
+                f"{show(value)} is of a linear axis, and this one turns; write inertia instead, or "
+                "moves in units of length"
+            )
+        text = self.plain(value)
+        try:
+            return parse_any(text, accepted)[0]
+        except UnitError as error:
+            raise UnitError(str(error).replace(show(text), show(value), 1)) from None
+
+    def moved(self, value: object, derivative: int, *, positive: bool = False) -> float:
+        """Return a position or one of its derivatives."""
+        return self.quantity(value, lambda m: [motion_kind(m, derivative, positive=positive)])
+
+    def plain(self, value: object) -> object:
+        """Return a text with counts of the encoder, or samples, in the unit of what they count."""
+        if not isinstance(value, str):
+            return value
+        match = _COUNTED.fullmatch(value)
+        if match is None:
+            return _PER_SECOND.sub(r"\1 s^-1", value)
+        number, word, rest = match.groups()
+        if word not in self.counted:
+            raise UnitError(f"{show(value)} is in {word}s {_WHERE[word]}, or another unit")
+        of = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", self.counted[word])
+        assert of is not None  # it was read as a quantity
+        try:
+            return f"{Decimal(number) * Decimal(of[1])} {of[2]}{rest}"
+        except DecimalException:
+            return value
+
+
+def context_of(content: dict[str, Any]) -> Context:
+    """Return the context of a file: what most quantities say they are, so that a slip shows."""
+    votes: Counter[Motion] = Counter(_votes(content))
+    sets = content.get("limits")
+    return Context(
+        motions=(votes.most_common(1)[0][0],) if votes else ("angle", "length"),
+        limit_sets=tuple(sets) if isinstance(sets, dict) else (),
+        counted=_counted(content),
+    )
+
+
+def _votes(content: dict[str, Any]) -> Iterator[Motion]:
+    """Yield what each quantity says it is, of those that can be but one of the two."""
+    plant, moves = _table(content, "plant"), content.get("moves")
+    chain = _table(plant, "chain").get("masses")
+    masses = chain[:1] if isinstance(chain, list) else []
+    for inertia in (plant.get("inertia"), plant.get("mass"), *masses):
+        for motion, kinds in INERTIA_KINDS.items():
+            with suppress(UnitError):
+                parse_any(inertia, kinds)
+                yield motion
+    for move in moves if isinstance(moves, list) else ():
+        for key in ("distance", "settle_to") if isinstance(move, dict) else ():
+            with suppress(UnitError):
+                yield parse_motion(move.get(key), 0)[1]
+
+
+def _counted(content: dict[str, Any]) -> dict[str, str]:
+    """Return the encoder's step and the sample time, where they are right."""
+    step, sample = _table(content, "plant").get("encoder_step"), _period(content)
+    found = {}
+    with suppress(UnitError):
+        parse_motion(step, 0, positive=True)
+        found["count"] = str(step)
+    with suppress(UnitError):
+        parse_quantity(sample, positive_kind("a duration", "1 ms"))
+        found["sample"] = str(sample)
+    return found
+
+
+def _period(content: dict[str, Any]) -> object:
+    return _table(content, "controller").get("sample_time")
+
+
+def _table(content: dict[str, Any], key: str) -> dict[str, Any]:
+    value = content.get(key)
+    return value if isinstance(value, dict) else {}

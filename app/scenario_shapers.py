@@ -1,0 +1,47 @@
+"""The input shapers that a scenario file of format 2 asks for."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from ..shaping import InputShaper, input_shaper
+from .units import show
+
+if TYPE_CHECKING:
+    from .scenario_asked import ShaperSection
+    from .scenario_formats import FileOf2
+    from .scenario_sections import ModeSection
+
+
+def shapers_of(shaper: ShaperSection, file: FileOf2) -> tuple[InputShaper, ...]:
+    """Return one shaper for each mode that is to be nulled."""
+    if shaper.frequency is not None:
+        modes = [(shaper.frequency, shaper.damping)]
+    else:
+        modes = [_mode(name, file) for name in shaper.modes or ()]
+    return tuple(
+        input_shaper(shaper.kind, frequency, damping, vibration=shaper.vibration)
+        for frequency, damping in modes
+    )
+
+
+def _mode(name: str, file: FileOf2) -> tuple[float, float]:
+    """Return frequency and damping of a mode of the file."""
+    known = {mode.name: (mode.frequency, mode.damping / 100.0) for mode in file.modes}
+    known |= {mode.name: _held(mode) for mode in file.plant.modes if mode.name is not None}
+    if name not in known:
+        near = get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        there = ", ".join(map(show, known)) or "none with a name"
+        raise ValueError(f"{show(name)} is no mode of this file; {hint}write one of: {there}")
+    return known[name]
+
+
+def _held(mode: ModeSection) -> tuple[float, float]:
+    """Return a mode of the plant as it is with the motor held, which a stiff loop does."""
+    if mode.held or mode.load_fraction is None:
+        return mode.frequency, mode.damping
+    share = sqrt(1.0 - mode.load_fraction)
+    return mode.frequency * share, mode.damping * share

@@ -1,0 +1,70 @@
+"""The JSON schema of scenario files: shipped as the models give it, right for right files."""
+
+import json
+import tomllib
+
+import jsonschema
+import pytest
+from good_scenario import GOOD, LINEAR, MODES, inline
+
+from jounce.app.scenario import load_scenario
+from jounce.app.scenario_messages import EXAMPLES
+from jounce.app.scenario_schema import scenario_schema, schema_text, shipped_schema
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_the_shipped_file_is_what_the_models_give(number):
+    """`schema_text` makes it anew."""
+    assert json.loads(shipped_schema(number)) == json.loads(schema_text(number))
+    jsonschema.Draft202012Validator.check_schema(scenario_schema(number))
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_it_knows_every_key_and_none_besides(number):
+    """Those of the example of all keys."""
+    schema = scenario_schema(number)
+    assert set(schema["properties"]) == set(EXAMPLES[number])
+    assert schema["additionalProperties"] is False
+    for name in ("plant", "controller", "feedforward"):
+        section = schema["$defs"][schema["properties"][name]["$ref"].rpartition("/")[2]]
+        assert set(section["properties"]) == set(EXAMPLES[number][name]), name
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"colour": 3},
+        {"plant": {"inertia": 2}},
+        {"plant": {"inertia": "2 kg m^2", "viscos": "1 N m s/rad"}},
+        {"plant": {"inertia": "2 kg m^2", "sensor": "both of them"}},
+        {"controller": {"filters": [{"kind": "nothc", "frequency": "2 Hz"}]}},
+        {"controller": {"gains": "best"}},
+        {"limits": {"axis": {"jrek": "1 deg/s^3"}}},
+        {"requirements": {"load_settling": {"most": "2 s"}}},
+        {"moves": []},
+    ],
+)
+def test_it_refuses_what_loading_refuses(write, change):
+    content = {"format": 2, **tomllib.loads(GOOD)}
+    jsonschema.validate(content, scenario_schema(2))
+    content |= change
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(content, scenario_schema(2))
+    text = "\n".join(f"{key} = {inline(value)}" for key, value in content.items())
+    with pytest.raises(ValueError, match=r"case\.toml: "):
+        load_scenario(write(text))
+
+
+@pytest.mark.parametrize("text", [GOOD, LINEAR, GOOD + MODES])
+def test_files_of_format_1_are_right_by_both(text):
+    jsonschema.validate(tomllib.loads(text), scenario_schema(1))
+    jsonschema.validate({"format": 2, **tomllib.loads(text)}, scenario_schema(2))
+
+
+def test_the_command_prints_it(run):
+    status, out, errors = run("schema")
+    assert (status, out, errors) == (0, shipped_schema(2), [])
+    assert run("schema", "--format", 1)[1] == shipped_schema(1)
+    status, out, errors = run("schema", "--format", 3)
+    assert (status, out) == (2, "")
+    assert errors == ["jounce: format 3 of scenario files is not known; give 1 or 2"]
