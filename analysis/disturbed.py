@@ -41,6 +41,11 @@ class DisturbanceStep:
     peak: float
     recovery_time_s: float
 
+    @property
+    def final(self) -> float:
+        """The load's deviation at the end of the response."""
+        return -float(self.response.load_error[-1])
+
 
 @dataclass(frozen=True)
 class ErrorSource:
@@ -108,7 +113,7 @@ def error_budget(
         remark = "as white noise of q/√12: fair where it moves by more than q in a sample"
         found.append(ErrorSource("quantisation", "random", coarse.load, coarse.torque, remark))
     if loop.axis.friction is not None:
-        remark = "peak: its torque turns by twice Coulomb's in the linear loop"
+        remark = "peak: it turns by twice Coulomb's, no friction fed forward, linear loop"
         spike = friction_spike(loop, poles)
         found.append(ErrorSource("friction at a reversal", "deterministic", spike, nan, remark))
     return tuple(found)

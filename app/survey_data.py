@@ -151,6 +151,7 @@ def _disturbance_data(step: DisturbanceStep, scale: float) -> dict[str, Any]:
         "on": step.on,
         "peak": step.peak / scale,
         "recovery_time_s": _number(step.recovery_time_s),
+        "final": step.final / scale,
     }
 
 

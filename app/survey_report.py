@@ -97,6 +97,8 @@ def _disturbance_tables(survey: Survey) -> Iterator[Table]:
         table = plain_table(f"{name} on the {step.on}, the command still", "", "value")
         table.add_row("peak of the load", f"{step.peak / scale:.4g} {unit}")
         table.add_row("back within a tenth of it", _time(step.recovery_time_s))
+        at_end = f"at the end, {step.response.time[-1]:.4g} s"
+        table.add_row(at_end, f"{step.final / scale:.4g} {unit}")
         yield table
     if survey.budget:
         torque = f"{labels.torque_name} [{labels.torque_unit}]"

@@ -26,13 +26,11 @@ class Pieces:
     @cached_property
     def scaled(self) -> FloatArray:
         """Coefficients of powers of the part of a piece that has passed."""
-        powers = np.cumprod(
-            np.vstack(
-                [np.ones_like(self.durations)] + [self.durations / k for k in range(1, TERMS)]
-            ),
-            axis=0,
-        )
-        return np.asarray(self.rows * powers)
+        scaled, factor = self.rows.copy(), np.ones_like(self.durations)
+        for k in range(1, TERMS):
+            factor *= self.durations / k
+            scaled[k] *= factor
+        return scaled
 
     @cached_property
     def bounds(self) -> FloatArray:

@@ -152,7 +152,11 @@ def plot_disturbance(survey: Survey, *, ax: Axes) -> Axes:
     ax.plot(step.response.time[shown], load, color=BLUE, label="load")
     tenth = 0.1 * step.peak / scale
     ax.axhspan(-tenth, tenth, color=GREEN, alpha=0.2, label="a tenth of the peak")
-    told = f"back within it at {step.recovery_time_s:.3g} s" if recovered else "never back within"
+    told = (
+        f"back within it at {step.recovery_time_s:.3g} s"
+        if recovered
+        else f"stays at {step.final / scale:.3g} {unit}"
+    )
     ax.legend(loc="upper right", title=f"peak {step.peak / scale:.3g} {unit}\n{told}")
     title = f"{step.torque:.4g} {labels.torque_unit} on the {step.on}, command still"
     return finish(ax, title, "time [s]", f"load [{unit}]")

@@ -136,7 +136,7 @@ def _beyond_tolerance(ax: Axes, tolerance: float) -> None:
     ax.set_yticks([*-powers[::-1], 0.0, *powers])
     ax.minorticks_off()
     decades = np.log10(largest / tolerance) + 1.0
-    ax.set_ylim(-2.0 * largest, largest * 10.0 ** (0.8 * decades))
+    ax.set_ylim(-2.0 * largest, largest * 10.0**decades)
 
 
 def plot_limited_torque(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:

@@ -15,7 +15,9 @@ import jounce.plant
 import jounce.shaping
 from jounce.analysis import (
     Mode,
+    Requirement,
     Specification,
+    Tracking,
     cascaded_lags,
     conformance,
     describing_function,
@@ -155,6 +157,8 @@ NOUNS = [
     SURVEY.scenario.moves[0],
     Specification(1.0, 45.0, 12.0),
     Mode("first", 8.0),
+    Tracking("sidereal", Ramp(1.0), 2.0),
+    Requirement("load_settling", most=2.0),
     SURVEY.moves[0],
     check_scenario("examples/telescope.toml"),
     conformance(TIMES, STATES[0], LIMITS, resolution=1e-6),
