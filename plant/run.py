@@ -142,24 +142,16 @@ class Run:
             [self.layout.row(d.torque[:-1]) + d.torque[-1] * row for row in self.hybrid.torque]
         )
 
-    def pieces(
-        self, row: FloatArray, command: float = 0.0, target: float = 0.0, begin: float = 0.0
-    ) -> Pieces:
-        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next.
-
-        The row is one for all modes, or one a mode; `begin` is the first time, from 0 on.
-        """
-        by_mode = np.broadcast_to(row, (len(self.hybrid.modes), row.shape[-1]))
+    def pieces(self, row: FloatArray, command: float, target: float = 0.0) -> Pieces:
+        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next."""
         breaks = breaks_of(self.scene.command) - self.scene.begin
         end = self.times[-1]
         inner = breaks[(breaks > 0.0) & (breaks < end)]
         times = np.unique(np.concatenate([self.times, inner])) if command else self.times
-        if begin > 0.0:
-            times = np.append(begin, times[times > begin]) if begin < end else times[-1:]
         modes, states = self.at(times[:-1])
         rows = np.empty((TERMS, len(times) - 1))
         for mode in np.unique(modes):
-            some, terms = np.flatnonzero(modes == mode), [by_mode[mode]]
+            some, terms = np.flatnonzero(modes == mode), [row]
             for _ in range(TERMS - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
             rows[:, some] = np.array(terms) @ states[some].T
@@ -181,11 +173,13 @@ class Pieces:
     @cached_property
     def scaled(self) -> FloatArray:
         """Coefficients of powers of the part of a piece that has passed."""
-        scaled, factor = self.rows.copy(), np.ones_like(self.durations)
-        for k in range(1, TERMS):
-            factor *= self.durations / k
-            scaled[k] *= factor
-        return scaled
+        powers = np.cumprod(
+            np.vstack(
+                [np.ones_like(self.durations)] + [self.durations / k for k in range(1, TERMS)]
+            ),
+            axis=0,
+        )
+        return np.asarray(self.rows * powers)
 
     @cached_property
     def bounds(self) -> FloatArray:
@@ -194,28 +188,16 @@ class Pieces:
 
     def peak(self) -> float:
         """Return the largest magnitude."""
-        low, high = self.extremes()
-        return max(high, -low)
-
-    def extremes(self) -> tuple[float, float]:
-        """Return the smallest and the largest value; 0 where there are no pieces."""
         if not self.times.size:
-            return 0.0, 0.0
-        ends = np.array([self.rows[0], self.scaled.sum(axis=0)])
-        low, high = float(ends.min()), float(ends.max())
-        away = self.bounds - np.abs(self.scaled[0])
-        some = np.flatnonzero((self.rows[0] + away > high) | (self.rows[0] - away < low))
+            return 0.0
+        ends = np.maximum(np.abs(self.rows[0]), np.abs(self.scaled.sum(axis=0)))
+        known = float(ends.max())
+        some = np.flatnonzero(self.bounds > known)
         if some.size:
-            lows, highs = extrema(np.ones(some.size), self._terms(some))
-            low, high = min(low, float(lows.min())), max(high, float(highs.max()))
-        return low, high
-
-    def mean_square(self) -> float:
-        """Return the mean of the square over time."""
-        nodes, weights = np.polynomial.legendre.leggauss(TERMS)
-        values = (0.5 + 0.5 * nodes)[:, None] ** np.arange(TERMS) @ self.scaled
-        squares = 0.5 * weights @ values**2
-        return float(squares @ self.durations / self.durations.sum())
+            kept = self._terms(some)
+            low, high = extrema(np.ones(some.size), kept)
+            known = max(known, float(high.max()), -float(low.min()))
+        return known
 
     def _terms(self, some: Any) -> FloatArray:
         """Return derivatives on pieces of length 1, as many as count."""

@@ -18,7 +18,6 @@ from .frequency_view import (
 )
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
-from .responses import plot_response
 from .survey import plot_survey
 from .survey_details import plot_survey_details
 
@@ -37,7 +36,6 @@ __all__ = [
     "plot_null_by_size",
     "plot_periodic_response",
     "plot_phase_plane",
-    "plot_response",
     "plot_survey",
     "plot_survey_details",
     "plot_trajectory",

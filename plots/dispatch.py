@@ -20,7 +20,6 @@ from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
-from ..plant import LoopResponse
 from ..shaping import FollowerResponse, Trajectory
 from ..shaping.trajectory import Planned
 from .conformance import plot_conformance
@@ -33,7 +32,6 @@ from .describing_functions import (
 from .frequency_view import plot_cascaded_lags, plot_null_by_size, plot_vibration_map
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
-from .responses import plot_response
 from .survey import plot_survey
 
 Picture = Callable[..., Axes | Figure]
@@ -46,8 +44,8 @@ def draw(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figur
     Parameters
     ----------
     result : object
-        A trajectory, a follower's or a loop's response, a survey, conformance, margins of many
-        loops, a co-simulation, or what shapers are as filters.
+        A trajectory, a follower's response, a survey, conformance, margins of many loops, a
+        co-simulation, or what shapers are as filters.
     ax : Axes, optional
         To draw in, for pictures of one panel. Default: pyplot's current ones.
 
@@ -91,7 +89,6 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
     Planned: plot_trajectory,
-    LoopResponse: plot_response,
     Survey: plot_survey,
     Conformance: plot_conformance,
     CascadedLags: plot_cascaded_lags,

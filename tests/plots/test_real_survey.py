@@ -2,16 +2,15 @@
 
 from math import inf
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from real_loops import ARCSEC, AXIS, GAINS, LABELS, REAL, SMOOTH, J, move, real_survey
+from real_loops import ARCSEC, AXIS, GAINS, LABELS, SMOOTH, J, move, real_survey
 
 from jounce.analysis import survey
 from jounce.plant import InertiaFeedforward, ServoLoop
-from jounce.plots import plot_response, plot_survey, plot_survey_details
+from jounce.plots import plot_survey, plot_survey_details
 
 
 def texts(figure):
@@ -87,25 +86,3 @@ def test_a_loop_without_limit_noise_and_tracking_has_fewer_panels():
     assert found.noise_gain.value == inf
     empty = survey(loop, [], labels=LABELS)
     assert "Error of the load" not in texts(plot_survey(empty, figure=Figure()))
-
-
-def test_a_response_is_drawn_with_its_limit_and_tolerance():
-    response = real_survey().moves[0].configured.response
-    figure = plot_response(
-        response, tolerance=0.05 * ARCSEC, unit="arcsec", scale=ARCSEC, figure=Figure()
-    )
-    text = texts(figure)
-    for part in ("position [arcsec]", "command − load [arcsec]", "torque [N m]", "limit ±150 N m"):
-        assert part in text
-    assert "tolerance ±0.05 arcsec" in text
-
-
-def test_a_response_draws_itself():
-    response = REAL.respond(real_survey().moves[0].trajectory, 1e-2)
-    figure = response.plot(tolerance=1e-6)
-    assert [ax.get_ylabel() for ax in figure.axes] == [
-        "position [rad]",
-        "command − load [rad]",
-        "torque [N m]",
-    ]
-    plt.close(figure)
