@@ -445,4 +445,4 @@ def test_a_motor_on_the_edge_of_breaking_away_stays_where_it_is(duration):
     response = loop.respond(Ramp(0.0, still), times=[0.0, duration], start=0.0)
     times = [time for time, _, _ in response.friction_events]
     assert abs(response.error[-1]) < 1e-12 * still
-    assert len(times) == len(set(times)) < 10, response.friction_events
+    assert len(times) == len(set(times)), response.friction_events
