@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..shaping.checks import finite, positive
+from ..shaping.real_numbers import shown
+from .axis import Axis
 from .controller import Controller
+from .flexible_inertia import FlexibleInertia
 from .frequency_points import frequency_points
 from .inertia import Inertia
 from .inertia_pid import check_lower_gain_margin, inertia_pid
@@ -90,7 +93,7 @@ def design_pid(
     omega = 2.0 * pi * positive("crossover_hz", crossover_hz)
     phase_margin_deg = finite("phase_margin_deg", phase_margin_deg)
     factor = _factor(lower_gain_margin_db)
-    rigid = plant if isinstance(plant, Inertia) else _inertia(plant)
+    rigid = _inertia(plant)
     bare = not (derivative_filter or delay or len(filters)) and sample_time is None
     if rigid is not None and bare:
         asked = (phase_margin_deg, float(lower_gain_margin_db))
@@ -112,7 +115,17 @@ def design_pid(
 
 def _inertia(plant: Any) -> Inertia | None:
     """Return the inertia that a number stands for, None for another plant."""
-    return Inertia(float(plant)) if isinstance(plant, float | int | np.number) else None
+    if isinstance(plant, Axis | FlexibleInertia) or hasattr(plant, "ninputs"):
+        return None
+    if isinstance(plant, Inertia):
+        return plant
+    try:
+        return Inertia(plant)
+    except TypeError as error:
+        raise TypeError(
+            f"plant = {shown(plant)}: expected a number, an inertia; or Inertia, FlexibleInertia, "
+            "Axis or a python-control system"
+        ) from error
 
 
 def _factor(lower_gain_margin_db: float) -> float:

@@ -225,7 +225,8 @@ class ServoLoop(Frozen):
         if not isinstance(self.controller, PID):
             raise ValueError("a continuous controller: give Controller(…, sample_time=dt) for L(z)")
         plant = self.plant.system() if self._is_ideal else self._rates_plant()
-        return loop_behind(plant, self.controller.sampled(dt, rate=rate), delay or 0.0)
+        delay = 0.0 if delay is None else finite("delay", delay)
+        return loop_behind(plant, self.controller.sampled(dt, rate=rate), delay)
 
     def _held_plant(self) -> control.StateSpace:
         """Return the plant from u to what position and velocity are taken from."""
