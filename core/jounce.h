@@ -231,7 +231,8 @@ enum { JOUNCE_TERMS = 25 }; /* of a Taylor series; ||rates|| times a step is at 
     ((modes) * (2 * (moving) * (n) + (guards) * (n) * (14 + JOUNCE_TERMS)) + \
      (JOUNCE_TERMS + 2) * (n) + (moving) * (n) * 2 + 2 * JOUNCE_TERMS)
 
-/* A run of it: `segments` receives a row of time, mode and z at the start of every step. */
+/* A run of it: `segments` receives a row of time, mode and z at the start of every step; it may be
+ * NULL. */
 typedef struct {
     const jounce_automaton *automaton;
     double steps[2];

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .cosimulation.fmu_system import FmuSystem
     from .cosimulation.load_ssp import load_ssp
     from .exporting.compile import CompilerError
+    from .exporting.digital_controller import DigitalController
     from .exporting.export import FmuExport, export_fmu
     from .exporting.export_c import CExport, export_c
     from .exporting.loop_blocks import SampledController
@@ -31,6 +32,7 @@ _LATER = {
     "export_ssp": "exporting.ssp",
     "export_ssp_of": "exporting.ssp",
     "CompilerError": "exporting.compile",
+    "DigitalController": "exporting.digital_controller",
     "CosimulationResult": "cosimulation.cosimulation_result",
     "Fmu": "importing.stepping",
     "FmuDescription": "importing.description",
@@ -55,6 +57,7 @@ __all__ = [
     "CExport",
     "CompilerError",
     "CosimulationResult",
+    "DigitalController",
     "Fmu",
     "FmuDescription",
     "FmuError",

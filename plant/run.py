@@ -279,14 +279,12 @@ def simulate(scene: Scene) -> Run:
     hybrid = hybrid_of(axis, controller, layout, loop, scene.feedforward.friction)
     rest, holding = at_rest(axis, scene.start)
     initial = np.append(rest, np.zeros(states - len(rest)))
-    preload = holding / controller.integral_gain if holding and controller.integral_gain else 0.0
-    if loop is not None:
-        initial[loop.integral] = preload
+    if loop is not None and holding and controller.integral_gain:
+        initial[loop.integral] = holding / controller.integral_gain
     z = layout.initial(initial)
-    memory = np.zeros(4 + 2 * (len(controller.sections) if scene.is_digital else 0))
+    memory = np.zeros(4)
     if scene.is_digital:
-        z[layout.held], memory[1] = holding, preload
-        _preload_filters(controller, memory, holding)
+        z[layout.held], memory = holding, memory_at_rest(controller, holding)
     times, values = layout.settings(scene.begin, scene.duration)
     commands, ahead = _sampled_command(scene)
     samples = np.zeros((len(commands), 3))
@@ -326,13 +324,20 @@ def simulate(scene: Scene) -> Run:
     )
 
 
-def _preload_filters(controller: Controller, memory: FloatArray, holding: float) -> None:
-    """Put filters into the state of a constant torque."""
+def memory_at_rest(controller: Controller, holding: float) -> FloatArray:
+    """Return the state of a digital controller whose integral holds a torque, its filters settled.
+
+    Four numbers of the law, the integral the second, and two of each section of the filters.
+    """
+    memory = np.zeros(4 + 2 * len(controller.sections))
+    if holding and controller.integral_gain:
+        memory[1] = holding / controller.integral_gain
     x = holding
     for i, (b0, b1, b2, a1, a2) in enumerate(controller.sections):
         y = x * (b0 + b1 + b2) / (1.0 + a1 + a2) if holding else 0.0
         memory[4 + 2 * i], memory[5 + 2 * i] = y - b0 * x, b2 * x - a2 * y
         x = y
+    return memory
 
 
 def _sampled_command(scene: Scene) -> tuple[FloatArray, FloatArray]:
@@ -353,49 +358,61 @@ def _numbers(
     scene: Scene, layout: Layout, hybrid: Hybrid, samples: int, settings: int
 ) -> tuple[list[float], list[float], FloatArray]:
     """Return the numbers of loop and controller, and the filters' sections, for the core."""
+    c = scene.controller
     steps = _steps(scene, layout, hybrid)
     numbers = [layout.size, layout.moving, len(hybrid.modes), hybrid.rows.shape[1], *steps, 0]
-    numbers += [scene.duration, scene.controller.delay, samples, layout.held]
+    numbers += [scene.duration, c.delay, samples, layout.held]
     numbers += [settings, layout.chain, layout.held - layout.chain]
-    c, law, way = scene.controller, scene.controller.law, scene.controller.anti_windup
+    tuned = tuning(c, scene.feedforward, scene.axis.torque_limit, scene.axis.encoder_step)
+    sections = c.sections if scene.is_digital else np.empty((0, 5))
+    return [float(x) for x in numbers], tuned, sections
+
+
+def tuning(
+    controller: Controller, feedforward: Feedforward, torque_limit: float, encoder_step: float
+) -> list[float]:
+    """Return the numbers of a controller, in the order of the core's `jounce_controller`."""
+    law, way = controller.law, controller.anti_windup
     kinds = {"conditional": 1, BackCalculation: 2, Clamp: 3}
     winding = kinds.get(way if isinstance(way, str) else type(way), 0)
-    sections = c.sections if scene.is_digital else np.empty((0, 5))
     cascade = isinstance(law, CascadedPI)
-    gains = (
-        [law.velocity_gain, law.integral_gain, 0.0]
-        if isinstance(law, CascadedPI)
-        else [
-            law.kp,
-            law.ki,
-            law.kr,
-        ]
-    )
-    outer = (
-        [law.position_gain, law.velocity_feedforward] if isinstance(law, CascadedPI) else [0.0] * 2
-    )
-    tuned = [float(cascade), winding, len(sections), max(scene.feedforward.order, 1)]
-    tuned += [c.sample_time or 1.0, *gains, c.rate_filter, *outer]
-    tuned += [scene.feedforward.friction, scene.axis.torque_limit]
+    sections = 0 if controller.sample_time is None else len(controller.sections)
+    tuned = [float(cascade), winding, sections, max(feedforward.order, 1)]
+    tuned += [controller.sample_time or 1.0]
+    if isinstance(law, CascadedPI):
+        tuned += [law.velocity_gain, law.integral_gain, 0.0, controller.rate_filter]
+        tuned += [law.position_gain, law.velocity_feedforward]
+    else:
+        tuned += [law.kp, law.ki, law.kr, controller.rate_filter, 0.0, 0.0]
+    tuned += [feedforward.friction, torque_limit]
     tuned += [way.tracking_time if isinstance(way, BackCalculation) else 1.0]
-    tuned += [way.integral_limit if isinstance(way, Clamp) else inf, scene.axis.encoder_step]
-    return [float(x) for x in numbers], [float(x) for x in tuned], sections
+    tuned += [way.integral_limit if isinstance(way, Clamp) else inf, encoder_step]
+    return [float(x) for x in tuned]
 
 
 def _steps(scene: Scene, layout: Layout, hybrid: Hybrid) -> tuple[float, float]:
     """Return two lengths of steps, the longer first, in which the Taylor series is exact."""
+    norm = fastest(layout, hybrid)
+    if scene.controller.sample_time is None:
+        longest = min(2.0 / norm if norm else inf, scene.duration)
+        return longest, longest
+    return sampled_steps(norm, scene.controller.sample_time, scene.controller.delay)
+
+
+def fastest(layout: Layout, hybrid: Hybrid) -> float:
+    """Return a bound of the rates of a loop's own states: the series is exact for 2/bound."""
     from scipy.linalg import matrix_balance
 
-    own = layout.chain
-    norm = 0.0
+    own, norm = layout.chain, 0.0
     for rates in hybrid.rates:
         balanced = matrix_balance(rates[:own, :own], permute=False)[0]
         norm = max(norm, float(np.abs(balanced).sum(axis=0).max(initial=0.0)))
-    dt = scene.controller.sample_time
-    if dt is None:
-        longest = min(2.0 / norm if norm else inf, scene.duration)
-        return longest, longest
-    rest = scene.controller.delay % dt
+    return norm
+
+
+def sampled_steps(norm: float, dt: float, delay: float) -> tuple[float, float]:
+    """Return two lengths of steps that fill the times from sample to torque and to the next."""
+    rest = delay % dt
     if rest < 1e-9 * dt or dt - rest < 1e-9 * dt:
         rest = 0.0
     lengths = [part / max(ceil(0.5 * norm * part), 1) for part in (rest, dt - rest) if part]
