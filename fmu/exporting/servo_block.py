@@ -72,7 +72,8 @@ class SampledLoop:
             check_digital_loop(self.trajectory, self.loop, self.dt, self.jerk_filter)
             object.__setattr__(self, "dt", self.loop.controller_noun.sample_time)
             return
-        check_linear_pid(self.loop, float(self.trajectory.start_state[0]))
+        check_bare_pid(self.loop)
+        _check_linear(self.loop, float(self.trajectory.start_state[0]))
         if self.dt is None:
             raise ValueError("dt is missing: give the sample time at which the PID runs, dt=1e-3")
         object.__setattr__(self, "dt", positive("dt", self.dt))
@@ -95,23 +96,36 @@ def planned(command: Any) -> Trajectory:
     return as_trajectory(command)
 
 
-def check_linear_pid(loop: ServoLoop, start: float) -> None:
-    """Refuse a continuous loop that is more than a PID on a linear plant, at rest at `start`."""
+def check_bare_pid(loop: ServoLoop) -> None:
+    """Refuse a continuous controller that is more than a PID with feedforward of acceleration."""
     controller, axis = loop.controller_noun, loop.axis
-    reasons = {
-        "filters": len(controller.filters) > 0,
-        "a cascade": not isinstance(controller.law, PID),
-        "a derivative filter": controller.rate_filter > 0.0,
-        "anti-windup": controller.anti_windup not in (None, "none"),
-        "a torque limit": axis.torque_limit < inf,
-        "friction": axis.friction is not None,
-        "an encoder": axis.encoder_step > 0.0,
-        "two encoders": axis.sensor == "both",
-        "a load to hold": at_rest(axis, start)[1] != 0.0,
-        "feedforward of more than the acceleration": (
-            not isinstance(loop.feedforward, InertiaFeedforward | None)
-        ),
-    }
+    _refuse_any(
+        {
+            "filters": len(controller.filters) > 0,
+            "a cascade": not isinstance(controller.law, PID),
+            "a derivative filter": controller.rate_filter > 0.0,
+            "anti-windup": controller.anti_windup not in (None, "none"),
+            "a torque limit": axis.torque_limit < inf,
+            "an encoder's resolution": axis.encoder_step > 0.0,
+            "two encoders": axis.sensor == "both",
+            "feedforward of more than the acceleration": (
+                not isinstance(loop.feedforward, InertiaFeedforward | None)
+            ),
+        }
+    )
+
+
+def _check_linear(loop: ServoLoop, start: float) -> None:
+    """Refuse a continuous loop on an axis that is not linear, or holds a load at its start."""
+    _refuse_any(
+        {
+            "friction": loop.axis.friction is not None,
+            "a load to hold": at_rest(loop.axis, start)[1] != 0.0,
+        }
+    )
+
+
+def _refuse_any(reasons: dict[str, bool]) -> None:
     for what, there in reasons.items():
         if there:
             raise ValueError(
