@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .exporting.export import FmuExport, export_fmu
     from .exporting.export_c import CExport, export_c
     from .exporting.loop_blocks import SampledController
+    from .exporting.sampled_shaper import SampledShaper
     from .exporting.servo_block import SampledLoop
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
     from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
@@ -44,6 +45,7 @@ _LATER = {
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "SampledLoop": "exporting.servo_block",
+    "SampledShaper": "exporting.sampled_shaper",
     "cosimulate": "cosimulation.cosimulate",
     "export_fmu": "exporting.export",
     "inspect_fmu": "importing.reading",
@@ -68,6 +70,7 @@ __all__ = [
     "FmuVariable",
     "SampledController",
     "SampledLoop",
+    "SampledShaper",
     "SspExport",
     "cosimulate",
     "export_c",

@@ -2,7 +2,7 @@
 
 import control
 
-from jounce.fmu import DigitalController, SampledController, SampledLoop
+from jounce.fmu import DigitalController, SampledController, SampledLoop, SampledShaper
 from jounce.plant import (
     PID,
     Axis,
@@ -20,11 +20,19 @@ from jounce.plant import (
     Notch,
     ServoLoop,
 )
-from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
+from jounce.shaping import CommandFollower, JerkFilter, Limits, input_shaper, min_time_move
 
 
 def trajectory():
     return min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0, jerk=10.0))
+
+
+def shaped_trajectory():
+    return input_shaper("ZVD", 3.0, 0.05).shape(trajectory())
+
+
+def sampled_shaper():
+    return SampledShaper(input_shaper("EI", [3.0, 7.0], 0.05), 0.004)
 
 
 def follower():
@@ -148,6 +156,8 @@ BLOCKS = {
         gain,
         discrete_system,
         servo_loop,
+        shaped_trajectory,
+        sampled_shaper,
         linear_axis,
         sticking_axis,
         limited_axis,

@@ -21,6 +21,7 @@ from .digital_controller import DigitalController
 from .linear_blocks import linear_block
 from .loop_blocks import SampledController, controller_block, inertia_block
 from .motion_blocks import follower_block, jerk_filter_block, trajectory_block
+from .sampled_shaper import SampledShaper, shaper_block
 from .servo_block import SampledLoop, servo_block
 from .units import effort, position_unit, rate
 
@@ -41,6 +42,7 @@ _KINDS: tuple[tuple[type, str, Any], ...] = (
     (Trajectory, "trajectory", trajectory_block),
     (CommandFollower, "command_follower", follower_block),
     (JerkFilter, "jerk_filter", jerk_filter_block),
+    (SampledShaper, "input_shaper", shaper_block),
     (Inertia, "inertia", inertia_block),
     (FlexibleInertia, "flexible_inertia", _flexible_block),
     (Axis, "axis", axis_block),
@@ -56,8 +58,8 @@ def block_of(source: Any, *, name: str | None = None, unit: Unit = "1") -> Block
 
     Parameters
     ----------
-    source : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, Axis, \
-SampledController, DigitalController, Controller, SampledLoop, StateSpace or TransferFunction
+    source : Trajectory, CommandFollower, JerkFilter, SampledShaper, Inertia, FlexibleInertia, \
+Axis, SampledController, DigitalController, Controller, SampledLoop, StateSpace or TransferFunction
     name : str, optional
         A C identifier. Default: after the kind of object, or a linear system's own name.
     unit : str or mapping, optional
