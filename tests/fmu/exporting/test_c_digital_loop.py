@@ -1,5 +1,7 @@
 """Whole digital loops as FMU, SSP and C: what leaves is what the simulation runs."""
 
+from dataclasses import replace
+
 import control
 import every_block
 import numpy as np
@@ -147,11 +149,40 @@ def test_gains_limit_and_start_may_be_changed():
     host.close()
 
 
-@pytest.mark.parametrize("make", [chain, sampled_inertia], ids=["chain", "inertia"])
+def ahead():
+    """Return the loop of two encoders whose feedforward looks ahead, without delay."""
+    sampled = every_block.digital_loop()
+    running = replace(sampled.loop.controller, delay=0.0)
+    return SampledLoop(sampled.trajectory, replace(sampled.loop, controller=running))
+
+
+@pytest.mark.parametrize("make", [every_block.digital_loop, every_block.sticking_axis])
+@pytest.mark.parametrize("version", VERSIONS)
+def test_it_goes_on_from_a_snapshot_to_the_last_bit(make, version):
+    host = Host(fmu_of(make, version)).run()
+    loose = {"d": 1.5} if make is every_block.digital_loop else {"u": 3.0}
+    host.set(**loose)
+    fmu, old = host.fmu, version == "2.0"
+    lengths = np.random.default_rng(4).uniform(1e-4, 3e-3, 400)
+    host.record(lengths[:200], "y")
+    kept, time = (fmu.getFMUstate if old else fmu.getFMUState)(), host.time
+    first = host.record(lengths[200:], "y", "y_load")
+    (fmu.setFMUstate if old else fmu.setFMUState)(kept)
+    host.time = time
+    np.testing.assert_array_equal(host.record(lengths[200:], "y", "y_load"), first)
+    assert np.ptp(first[0]) > 0.0
+    (fmu.freeFMUstate if old else fmu.freeFMUState)(kept)
+    host.close()
+
+
+@pytest.mark.parametrize(
+    "make", [chain, sampled_inertia, ahead], ids=["chain", "inertia", "two encoders, ahead"]
+)
 def test_the_ssp_is_the_simulation_in_its_own_order(make, tmp_path):
     sampled = make()
     made = export_ssp(tmp_path / "loop.ssp", sampled.trajectory, sampled.loop, platforms=["host"])
-    assert made.components == ("controller", "plant", "shaper")
+    assert set(made.components) - {"ahead"} == {"controller", "plant", "shaper"}
+    assert ("ahead" in made.components) == (sampled.loop.feedforward_noun.lead > 0.0)
     response = sampled.loop.respond(sampled.trajectory, DT, duration=0.8)
     with load_ssp(made.path) as system:
         y = system.run(0.8)["plant.y"]
@@ -160,7 +191,7 @@ def test_the_ssp_is_the_simulation_in_its_own_order(make, tmp_path):
 
 
 def seen(sampled, response):
-    return response.load if sampled.loop.axis.sensor == "load" else response.position
+    return response.position if sampled.loop.axis.sensor == "motor" else response.load
 
 
 REFUSED = {
