@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, inf, isfinite, log10
+from math import floor, isfinite, log10
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ _SHOWN = (
 
 def axis_block(axis: Axis, name: str, unit: str) -> Block:
     """Return an axis as a block of continuous time, a linear one as a linear block."""
-    if axis.friction is None and axis.torque_limit == inf and not axis.constant_load:
+    if not _kinds(axis):
         return linear_block(axis.system(), name, linear_units(axis, unit))
     layout, hybrid = events_of(axis)
     torque = units.effort(unit)
@@ -57,13 +58,13 @@ def axis_block(axis: Axis, name: str, unit: str) -> Block:
         f"Axis, {', '.join(_kinds(axis))}, {len(states)} states",
         tuple(variables),
         "axis",
-        constants=event_constants(layout, hybrid, variables, (step, step))
+        constants=event_constants(axis, hybrid, variables, (step, step))
         | {
             "V_D": "V_D_MOTOR",
             "OWN_LIMIT": "s->value[V_TORQUE_LIMIT]" if limit else "INFINITE",
         },
         tables=event_tables(axis, layout, hybrid),
-        memory=1,
+        memory=2,
         work=event_work(layout, hybrid),
         stop_time=_STEPS * step,
         step=step,
@@ -76,7 +77,9 @@ def axis_block(axis: Axis, name: str, unit: str) -> Block:
 
 
 def _kinds(axis: Axis) -> list[str]:
+    """Return what of an axis no linear block can have."""
     told = ["dry friction"] * (axis.friction is not None)
+    told += ["ripple"] * (ripple_of(axis) is not None)
     told += ["torque limit"] * isfinite(axis.torque_limit)
     return told + ["constant load"] * bool(axis.constant_load)
 
@@ -110,7 +113,7 @@ def events_of(axis: Axis) -> tuple[Layout, Hybrid]:
             f"an axis of {size} states: expected at most {MAX_STATES}; leave out modes beyond the "
             "bandwidth"
         )
-    layout = Layout(size, (), set=("motor", "load"), digital=True)
+    layout = Layout(size, (), set=("motor", "load", "ripple"), digital=True)
     held = Controller(PID(1.0, 0.0, 0.0), sample_time=1.0)  # a torque that is held has no law
     return layout, hybrid_of(axis, held, layout, None, 0.0)
 
@@ -171,17 +174,28 @@ def output_rows(axis: Axis, layout: Layout) -> FloatArray:
     return np.array(rows)
 
 
+def ripple_of(axis: Axis) -> Any:
+    """Return the ripple of an axis's torque over position; None for none."""
+    return getattr(axis, "ripple", None)
+
+
 def event_constants(
-    layout: Layout, hybrid: Hybrid, variables: Sequence[Variable], steps: tuple[float, float]
+    axis: Axis, hybrid: Hybrid, variables: Sequence[Variable], steps: tuple[float, float]
 ) -> dict[str, str]:
     """Return the macros of events.c; `steps` are two lengths, the longer first."""
+    ripple, n = ripple_of(axis), hybrid.rows.shape[2]
+    frictions = len({mode.friction for mode in hybrid.modes})
+    width = 1.0 if ripple is None else ripple.period / (len(hybrid.modes) // frictions)
     places = {own.name: k for k, own in enumerate(variables)}
     states = [k for k, own in enumerate(variables) if own.name.startswith("state.")]
     return {
-        "N_Z": str(layout.size),
-        "N_MOVING": str(layout.moving),
+        "N_Z": str(n),
+        "N_MOVING": str(hybrid.rates.shape[1]),
         "N_MODES": str(len(hybrid.modes)),
         "N_GUARDS": str(hybrid.rows.shape[1]),
+        "N_FRICTION": str(frictions),
+        "RIPPLE_WIDTH": repr(width),
+        "RIPPLE_OFFSET": repr(0.0 if ripple is None else ripple.offset),
         "N_OUTPUTS": str(len(_SHOWN)),
         "V_STATE": str(states[0]),
         "V_OUTPUT": str(places["y"]),
@@ -196,8 +210,10 @@ def event_tables(axis: Axis, layout: Layout, hybrid: Hybrid) -> dict[str, list[o
         "mode_rates": table_rows(hybrid.rates),
         "guard_rows": table_rows(hybrid.rows),
         "guard_next": table_rows(hybrid.next),
-        "mode_onto": table_rows(hybrid.onto),
-        "mode_along": table_rows(hybrid.along),
+        "event_onto": table_rows(hybrid.onto),
+        "event_along": table_rows(hybrid.along),
+        "rate_row": table_rows(layout.row(axis.dynamics.motor_rate)),
+        "motor_row": table_rows(layout.row(axis.dynamics.motor)),
         "output_rows": table_rows(output_rows(axis, layout)),
     }
 

@@ -86,7 +86,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
         tuple(variables),
         "digital_loop",
         constants=controller_constants(digital, variables)
-        | event_constants(layout, hybrid, variables, steps)
+        | event_constants(axis, hybrid, variables, steps)
         | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
         | {
             "OWN_DELAY": repr(delay),
@@ -101,7 +101,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
             "seen_row": table_rows(layout.row(seen)),
             "moved_row": table_rows(layout.row(moved)),
         },
-        memory=3 + waiting,
+        memory=4 + waiting,
         work=event_work(layout, hybrid),
         sample_time=dt,
         start_time=motion.start_time,

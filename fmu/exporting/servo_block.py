@@ -21,7 +21,7 @@ from ...shaping.checks import of_kind, positive
 from ...shaping.propagate import check_fed
 from ...shaping.trajectory import as_trajectory
 from . import units
-from .axis_block import linear_units
+from .axis_block import linear_units, ripple_of
 from .blocks import Block, Variable, output, sample_time_constant, signal
 from .digital_loop import check_digital_loop, digital_loop_block
 from .linear_blocks import linear_block
@@ -120,6 +120,7 @@ def _check_linear(loop: ServoLoop, start: float) -> None:
     _refuse_any(
         {
             "friction": loop.axis.friction is not None,
+            "ripple": ripple_of(loop.axis) is not None,
             "a load to hold": at_rest(loop.axis, start)[1] != 0.0,
         }
     )

@@ -14,7 +14,7 @@
 
 /* Of the memory: the time since the start that has been reached, how many torques have acted, and
  * those that wait. */
-enum { REACHED = AFTER_MODE, ACTED, WAITING };
+enum { REACHED = AFTER_BEGIN, ACTED, WAITING };
 
 static double tick_time(const State *s, int64_t tick) {
     return s->start + (double)tick * SAMPLE_TIME;

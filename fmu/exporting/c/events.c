@@ -1,7 +1,8 @@
-/* The axis that the tables hold, exact from event to event: friction sticks and slides.
+/* The axis that the tables hold, exact from event to event: friction sticks and slides, ripple goes
+ * on to its next piece.
  *
- * Its z are the states in the values, the disturbances, the torque and 1. The work space keeps what
- * depends on the tables alone.
+ * Its z are the states in the values, the disturbances, where the ripple's piece begins (if there is
+ * ripple), the torque and 1. The work space keeps what depends on the tables alone.
  */
 
 #include "automaton.c"
@@ -9,12 +10,22 @@
 
 #define MOST_STEPS 1e9
 
-enum { MODE, AFTER_MODE }; /* of the memory: 0 sticks (or there is no friction), 1 and 2 slide */
+enum { MODE, BEGIN, AFTER_BEGIN }; /* of the memory; BEGIN: of the ripple's piece */
+
+/* Modes come in N_MODES / N_FRICTION pieces of the ripple: those that stick (or of all, where there
+ * is no friction), then those that slide forwards, then backwards. */
+enum { N_PIECE_MODES = N_MODES / N_FRICTION };
 
 static jounce_automaton own_automaton(void) {
-    jounce_automaton own = {N_Z,           N_MOVING,        N_MODES,       N_GUARDS,
-                            mode_rates[0][0], guard_rows[0][0], guard_next[0], mode_onto[0],
-                            mode_along[0]};
+    jounce_automaton own = {N_Z,
+                            N_MOVING,
+                            N_MODES,
+                            N_GUARDS,
+                            (const double *)mode_rates,
+                            (const double *)guard_rows,
+                            (const double *)guard_next,
+                            (const double *)event_onto,
+                            (const double *)event_along};
     return own;
 }
 
@@ -34,16 +45,27 @@ static void gather(const State *s, double torque, double *z) {
     }
     z[N_MOVING] = s->value[V_D];
     z[N_MOVING + 1] = s->value[V_D + 1];
-    z[N_MOVING + 2] = torque;
-    z[N_MOVING + 3] = 1.0;
+    z[N_MOVING + 2] = s->memory[BEGIN];
+    z[N_Z - 2] = torque;
+    z[N_Z - 1] = 1.0;
 }
 
-/* It starts to slide where it moves. */
+/* It starts to slide where it moves, on the piece of the ripple where it is. */
 static void start_axis(State *s) {
-    double z[N_Z], rate;
+    double z[N_Z], rate, pieces, whole;
+    int direction, piece;
+    s->memory[BEGIN] = 0.0;
     gather(s, 0.0, z);
-    rate = row_of(mode_along[0], z);
-    s->memory[MODE] = rate > 0.0 ? 1.0 : rate < 0.0 ? 2.0 : 0.0;
+    rate = row_of(rate_row, z);
+    direction = N_FRICTION == 1 ? 0 : rate > 0.0 ? 1 : rate < 0.0 ? 2 : 0;
+    pieces = (row_of(motor_row, z) - RIPPLE_OFFSET) / RIPPLE_WIDTH;
+    pieces = clamp(pieces, -1e15, 1e15);
+    whole = (double)(int64_t)pieces;
+    whole -= whole > pieces;
+    piece = (int)((int64_t)whole % N_PIECE_MODES);
+    piece += piece < 0 ? N_PIECE_MODES : 0;
+    s->memory[MODE] = (double)(direction * N_PIECE_MODES + piece);
+    s->memory[BEGIN] = RIPPLE_OFFSET + whole * RIPPLE_WIDTH;
 }
 
 static void put_axis_out(State *s, double torque) {
@@ -53,8 +75,9 @@ static void put_axis_out(State *s, double torque) {
     for (i = 0; i < N_OUTPUTS; i++) {
         s->value[V_OUTPUT + i] = row_of(output_rows[i], z);
     }
-#if N_MODES > 1
-    s->value[V_SLIDING] = s->memory[MODE] == 2.0 ? -1.0 : s->memory[MODE];
+#if N_FRICTION > 1
+    i = (int)s->memory[MODE] / N_PIECE_MODES;
+    s->value[V_SLIDING] = i == 2 ? -1.0 : (double)i;
 #endif
 }
 
@@ -81,5 +104,6 @@ static const char *move_axis(State *s, Cache *cache, double torque, double h) {
         s->value[V_STATE + i] = z[i];
     }
     s->memory[MODE] = (double)run.mode;
+    s->memory[BEGIN] = z[N_MOVING + 2];
     return status == JOUNCE_OK ? NULL : "friction sticks and slides for ever at one instant";
 }
