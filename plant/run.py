@@ -14,20 +14,16 @@ from ..shaping.checks import positive
 from ..shaping.pieces import FloatArray, extrema
 from ..shaping.propagate import grid
 from ..shaping.real_numbers import real_array, shown
-from .anti_windup import BackCalculation, Clamp
 from .axis import Axis
-from .cascade import CascadedPI
 from .commands import Command, breaks_of, derivatives_of
 from .controller import Controller
+from .core_numbers import TERMS, fastest, memory_at_rest, sampled_steps, tuning
 from .disturbances import Disturbance
 from .feedforward import Feedforward
 from .hybrid import Hybrid, hybrid_of
 from .layout import Layout, at_rest, layout_of
 from .loop_response import LoopResponse
 from .open_loop import open_loop
-
-TERMS = 25
-"""Of the Taylor series between the times that a run keeps: ‖A‖·h ≤ 2 there."""
 
 _ON_BREAK = 1e-12  # a sample this near to a break, relative to its time, has the value after it
 
@@ -324,22 +320,6 @@ def simulate(scene: Scene) -> Run:
     )
 
 
-def memory_at_rest(controller: Controller, holding: float) -> FloatArray:
-    """Return the state of a digital controller whose integral holds a torque, its filters settled.
-
-    Four numbers of the law, the integral the second, and two of each section of the filters.
-    """
-    memory = np.zeros(4 + 2 * len(controller.sections))
-    if holding and controller.integral_gain:
-        memory[1] = holding / controller.integral_gain
-    x = holding
-    for i, (b0, b1, b2, a1, a2) in enumerate(controller.sections):
-        y = x * (b0 + b1 + b2) / (1.0 + a1 + a2) if holding else 0.0
-        memory[4 + 2 * i], memory[5 + 2 * i] = y - b0 * x, b2 * x - a2 * y
-        x = y
-    return memory
-
-
 def _sampled_command(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Return the command and its derivatives at all samples, and the same a lead later."""
     dt, f = scene.controller.sample_time, scene.feedforward
@@ -368,28 +348,6 @@ def _numbers(
     return [float(x) for x in numbers], tuned, sections
 
 
-def tuning(
-    controller: Controller, feedforward: Feedforward, torque_limit: float, encoder_step: float
-) -> list[float]:
-    """Return the numbers of a controller, in the order of the core's `jounce_controller`."""
-    law, way = controller.law, controller.anti_windup
-    kinds = {"conditional": 1, BackCalculation: 2, Clamp: 3}
-    winding = kinds.get(way if isinstance(way, str) else type(way), 0)
-    cascade = isinstance(law, CascadedPI)
-    sections = 0 if controller.sample_time is None else len(controller.sections)
-    tuned = [float(cascade), winding, sections, max(feedforward.order, 1)]
-    tuned += [controller.sample_time or 1.0]
-    if isinstance(law, CascadedPI):
-        tuned += [law.velocity_gain, law.integral_gain, 0.0, controller.rate_filter]
-        tuned += [law.position_gain, law.velocity_feedforward]
-    else:
-        tuned += [law.kp, law.ki, law.kr, controller.rate_filter, 0.0, 0.0]
-    tuned += [feedforward.friction, torque_limit]
-    tuned += [way.tracking_time if isinstance(way, BackCalculation) else 1.0]
-    tuned += [way.integral_limit if isinstance(way, Clamp) else inf, encoder_step]
-    return [float(x) for x in tuned]
-
-
 def _steps(scene: Scene, layout: Layout, hybrid: Hybrid) -> tuple[float, float]:
     """Return two lengths of steps, the longer first, in which the Taylor series is exact."""
     norm = fastest(layout, hybrid)
@@ -397,26 +355,6 @@ def _steps(scene: Scene, layout: Layout, hybrid: Hybrid) -> tuple[float, float]:
         longest = min(2.0 / norm if norm else inf, scene.duration)
         return longest, longest
     return sampled_steps(norm, scene.controller.sample_time, scene.controller.delay)
-
-
-def fastest(layout: Layout, hybrid: Hybrid) -> float:
-    """Return a bound of the rates of a loop's own states: the series is exact for 2/bound."""
-    from scipy.linalg import matrix_balance
-
-    own, norm = layout.chain, 0.0
-    for rates in hybrid.rates:
-        balanced = matrix_balance(rates[:own, :own], permute=False)[0]
-        norm = max(norm, float(np.abs(balanced).sum(axis=0).max(initial=0.0)))
-    return norm
-
-
-def sampled_steps(norm: float, dt: float, delay: float) -> tuple[float, float]:
-    """Return two lengths of steps that fill the times from sample to torque and to the next."""
-    rest = delay % dt
-    if rest < 1e-9 * dt or dt - rest < 1e-9 * dt:
-        rest = 0.0
-    lengths = [part / max(ceil(0.5 * norm * part), 1) for part in (rest, dt - rest) if part]
-    return max(lengths), min(lengths)
 
 
 def response_of(scene: Scene, dt: float | None, times: Any) -> LoopResponse:

@@ -11,10 +11,10 @@ import numpy as np
 
 from ...plant.axis import Axis
 from ...plant.controller import Controller
+from ...plant.core_numbers import TERMS, fastest
 from ...plant.hybrid import Hybrid, hybrid_of
 from ...plant.layout import Layout, at_rest
 from ...plant.pid import PID
-from ...plant.run import TERMS, fastest
 from ...shaping.pieces import FloatArray
 from . import units
 from .blocks import LEAST_POSITIVE, Block, Variable, output, parameter, signal

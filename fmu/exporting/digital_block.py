@@ -9,8 +9,8 @@ import numpy as np
 
 from ...plant.anti_windup import BackCalculation, Clamp
 from ...plant.cascade import CascadedPI
+from ...plant.core_numbers import memory_at_rest, tuning
 from ...plant.feedforward import Feedforward
-from ...plant.run import memory_at_rest, tuning
 from ...shaping.derivatives import derivative_name
 from . import units
 from .blocks import (

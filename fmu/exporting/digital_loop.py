@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import ceil, floor
 from typing import Any
 
+from ...plant.core_numbers import fastest, sampled_steps
 from ...plant.layout import at_rest
-from ...plant.run import fastest, sampled_steps
 from ...plant.servo_loop import ServoLoop
 from ...shaping import Trajectory
 from ...shaping.propagate import check_fed
