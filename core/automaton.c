@@ -263,14 +263,14 @@ static void enter(jounce_run *run, int mode) {
     run->mode = mode;
 }
 
-static int record(jounce_run *run, double t) {
+jounce_status jounce_record(jounce_run *run, double t) {
     int i, n = run->automaton->states;
     double *row;
     if (run->segments == NULL) {
-        return 1;
+        return JOUNCE_OK;
     }
     if (run->count == run->room) {
-        return 0;
+        return JOUNCE_FULL;
     }
     row = run->segments + run->count * (size_t)(n + 2);
     row[0] = t;
@@ -279,7 +279,7 @@ static int record(jounce_run *run, double t) {
         row[2 + i] = run->z[i];
     }
     run->count += 1;
-    return 1;
+    return JOUNCE_OK;
 }
 
 /* A step or what there is until a guard falls; returns how long it was. */
@@ -323,7 +323,7 @@ jounce_status jounce_advance(jounce_run *run, double t, double span) {
     while (span - done > slack) {
         int whole = span - done >= length * (1.0 - 1e-9);
         double went, h = whole ? length : smaller(span - done, run->steps[0]);
-        if (!record(run, t + done)) {
+        if (jounce_record(run, t + done) != JOUNCE_OK) {
             return JOUNCE_FULL;
         }
         went = advance_once(run, &p, h, whole ? step : -1);

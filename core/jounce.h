@@ -245,6 +245,9 @@ typedef struct {
 
 void jounce_prepare(jounce_run *run);
 
+/* Put down time, mode and z; JOUNCE_FULL without room for them. */
+jounce_status jounce_record(jounce_run *run, double t);
+
 /* Go on from time t for `span`. JOUNCE_FULL without room for segments, JOUNCE_CHATTER where modes
  * change for ever at one instant. */
 jounce_status jounce_advance(jounce_run *run, double t, double span);
