@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from ..analysis.specification import Bound, Mode, Move, Requirement, Specification
+from ..shaping.frozen import Frozen
 from . import scenario_checks as checks
 from .overrides import override
 from .scenario_asked import DisturbanceSection, FeedforwardSection, TrackingSection
@@ -48,7 +49,7 @@ class ScenarioError(ValueError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scenario:
+class Scenario(Frozen):
     """A scenario file's content in SI units.
 
     Attributes
@@ -105,7 +106,7 @@ class Scenario:
     controller: ControllerSection = field(default_factory=ControllerSection)
     feedforward: FeedforwardSection = field(default_factory=FeedforwardSection)
     tracking: tuple[TrackingSection, ...] = ()
-    limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict)
+    limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict, hash=False)
     disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
     requirements: tuple[Requirement, ...] = ()
 

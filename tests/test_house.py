@@ -23,7 +23,8 @@ def importable(package):
 @pytest.mark.parametrize("package", PACKAGES, ids=str)
 def test_no_name_that_a_package_exports_hides_one_of_its_files(package):
     """`jounce.plant.respond` is a function or a file, never one in front of the other."""
-    inside = {path.stem for path in (ROOT / package).iterdir() if path.suffix in ("", ".py")}
+    inside = {path.stem for path in (ROOT / package).glob("*.py")}
+    inside |= {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
     exported = getattr(importlib.import_module(importable(package)), "__all__", [])
     assert inside.isdisjoint(exported), inside.intersection(exported)
 

@@ -187,7 +187,7 @@ COPIES = {
 
 def test_every_public_noun_is_here():
     modules = jounce.shaping, jounce.plant, jounce.analysis, jounce.app
-    public = {getattr(module, name) for module in modules for name in module.__all__}
+    public = [getattr(module, name) for module in modules for name in module.__all__]
     nouns = {noun for noun in public if dataclasses.is_dataclass(noun)}
     assert nouns <= {type(noun) for noun in NOUNS}
 
