@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ..plant import LoopResponse, Ramp, ServoLoop, TorqueSteps, Wind
+from ..plant.response_figures import load_extremes, rms_error
 from ..shaping.checks import finite
 from .specification import Tracking
 from .surveyed_loop import Poles, followed_until, linear_part, shown_times
@@ -148,10 +149,10 @@ def tracking_survey(loop: ServoLoop, tracking: Tracking) -> TrackingSurvey:
         response = loop.respond(command, times=times)
     except ValueError as error:
         raise ValueError(f"tracking {tracking.name!r}: {error}") from None
-    low, high = response.extremes(after=tracking.after)
+    low, high = load_extremes(response, after=tracking.after)
     counted = begin + tracking.after
     slips = sum(to != 0 for at, _, to in response.friction_events if at >= counted)
-    rms = response.rms_error(after=tracking.after)
+    rms = rms_error(response, after=tracking.after)
     return TrackingSurvey(
         tracking.name, tracking, response, rms, float(np.maximum(high, -low)), slips
     )

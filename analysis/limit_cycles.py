@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, isfinite, log, nan, pi, sqrt
 
-from ..plant import Ramp, ServoLoop
+from ..plant import LoopResponse, Ramp, ServoLoop
+from ..plant.response_figures import load_extremes
 from .disturbed import friction_spike
 from .margins import LoopMargins
 from .surveyed_loop import Poles, followed_until
@@ -130,15 +131,22 @@ def _standstill(loop: ServoLoop, offset: float, poles: Poles) -> Standstill:
     duration = 2.0 * followed_until(loop, poles, _DECAY)
     longest = _MOST_SAMPLES * (loop.controller_noun.sample_time or duration)
     for _ in range(_ROUNDS):
-        response = loop.respond(Ramp(0.0, offset), times=[0.0, duration], start=0.0)
+        response = _held(loop, offset, duration)
         breakaway = nan if loop.axis.friction is None else response.next_breakaway
         if not duration < breakaway < inf or 3.0 * breakaway > longest:
             break
         duration = 3.0 * breakaway
     half = 0.5 * duration
-    low, high = response.extremes(offset, after=half)
+    low, high = load_extremes(response, offset, after=half)
     slips = sum(to != 0 for at, _, to in response.friction_events if at >= half)
     return Standstill(offset, duration, high - low, max(high, -low), slips, breakaway)
+
+
+def _held(loop: ServoLoop, offset: float, duration: float) -> LoopResponse:
+    try:
+        return loop.respond(Ramp(0.0, offset), times=[0.0, duration], start=0.0)
+    except ValueError as error:
+        raise ValueError(f"standstill, the command {offset:.6g} away: {error}") from None
 
 
 def shown_cycles(found: LimitCycles, unit: str, scale: float) -> tuple[str, ...]:
@@ -165,6 +173,8 @@ def _shown_standstill(s: Standstill, unit: str, scale: float) -> str:
     if s.slips:
         return f"{begin}it hunts, {s.slips} slips, the load swings by {s.swing / scale:.3g} {unit}."
     away = f"{s.error / scale:.3g} {unit} away"
+    if s.next_breakaway_s <= s.duration_s:
+        return f"{begin}it still slides, at most {away}."
     if isfinite(s.next_breakaway_s):
         return (
             f"{begin}it sticks {away}, and breaks away next at {s.next_breakaway_s:.4g} s: stuck "

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..plant import Ramp, ServoLoop, respond
+from ..plant import ServoLoop, respond
 from ..plant.linear_system import linear_system
+from ..shaping import Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.trajectory import point
@@ -99,11 +100,14 @@ def _from_position(system: control.StateSpace) -> control.StateSpace:
 
 
 def _sampled_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
+    """Return the response to a step that comes with the second sample, which it starts from."""
     duration = followed_until(loop, poles, _DECAY)
-    step = float(loop.controller_noun.sample_time or 1.0)
-    count = int(min(_PER_SAMPLE * duration / step, KEPT))
+    dt = float(loop.controller_noun.sample_time or 1.0)
+    count = int(min(_PER_SAMPLE * duration / dt, KEPT))
     times = np.linspace(0.0, duration, count + 1)
-    response = linear_part(loop).respond(Ramp(0.0, 1.0), times=times, start=0.0)
+    before = np.array([[0.0, 0.0], [1.0, 0.0]])
+    step = Trajectory(np.array([0.0, dt, 2.0 * dt]), before, end_state=before[1])
+    response = linear_part(loop).respond(step, times=dt + times)
     return times, response.position
 
 

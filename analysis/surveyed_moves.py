@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..plant import LoopResponse, ServoLoop
+from ..plant.response_figures import load_extremes, peak_torque
 from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
@@ -155,14 +156,14 @@ def _exactly(
     times = shown_times(trajectory.start_time, lead, duration)
     found = loop.respond(trajectory, times=times)
     way, tolerance = float(np.sign(move.distance)), move.settle_to
-    low, high = found.extremes(move.distance, of="position")
-    left = found.extremes(after=lead)
+    low, high = load_extremes(found, move.distance, of="position")
+    left = load_extremes(found, after=lead)
     return MoveResponse(
         name,
         found,
         settling_time_s=found.settling_time(move.distance, tolerance, of="position"),
         peak_error=found.peak_error,
-        peak_torque=found.peak_torque,
+        peak_torque=peak_torque(found),
         overshoot=max(high if way > 0.0 else -low, 0.0),
         load_settling_time_s=found.settling_time(move.distance, tolerance, of="load"),
         peak_load_error=found.peak_load_error,

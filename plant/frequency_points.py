@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ def frequency_points(
     Those of its poles and zeros and of the delay count; of a discrete loop they end at half the
     sampling frequency.
     """
-    poles, zeros = system.poles(), system.zeros()
+    poles, zeros = _roots(system)
     farthest = _FARTHEST * abs(poles).max(initial=0.0) or np.inf
     roots = np.concatenate([poles, zeros[abs(zeros) < farthest]])  # beyond, they are rounding
     if system.isdtime(strict=True):
@@ -48,3 +48,11 @@ def frequency_points(
         points.append(root.imag + width * _BESIDE)
     omega = np.unique(np.concatenate(points))
     return np.asarray(omega[(omega >= bottom) & (omega <= top)])
+
+
+def _roots(system: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return poles and zeros, those of polynomials without a word on coefficients of rounding."""
+    if hasattr(system, "den_array"):
+        below, above = system.den_array[0, 0], system.num_array[0, 0]
+        return np.roots(below).astype(complex), np.roots(above).astype(complex)
+    return system.poles(), system.zeros()

@@ -179,34 +179,10 @@ class LoopResponse(Frozen):
         step = self.time[k + 1] - self.time[k]
         return float(self.time[k] - self.time[0] + fraction * step)
 
-    def _pieces(self, of: Of, target: float | None, after: float = 0.0) -> Pieces:
+    def _pieces(self, of: Of, target: float | None) -> Pieces:
         """Return position less target, or less the command, between all times of the run."""
         row = self.run.load_row if of == "load" else self.run.seen_row
-        return self.run.pieces(row, -1.0 if target is None else 0.0, target or 0.0, after)
-
-    def extremes(
-        self, target: float | None = None, *, of: Of = "load", after: float = 0.0
-    ) -> tuple[float, float]:
-        """Return the least and the largest of position less target, in exact continuous time.
-
-        Parameters
-        ----------
-        target : float, optional
-            Default: the command, wherever it moves.
-        of : "position" or "load", optional
-        after : float, optional
-            Time from the start from which on it counts.
-        """
-        return self._pieces(of, target, after).extremes()
-
-    def rms_error(self, *, of: Of = "load", after: float = 0.0) -> float:
-        """Return √(mean of (r − position)²) in continuous time, from `after` the start on."""
-        return float(np.sqrt(self._pieces(of, None, after).mean_square()))
-
-    @cached_property
-    def peak_torque(self) -> float:
-        """Largest |u| over continuous time."""
-        return self.run.pieces(self.run.hybrid.torque).peak()
+        return self.run.pieces(row, -1.0 if target is None else 0.0, target or 0.0)
 
     @cached_property
     def peak_load_error(self) -> float:

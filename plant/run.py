@@ -129,24 +129,16 @@ class Run:
             [self.layout.row(d.torque[:-1]) + d.torque[-1] * row for row in self.hybrid.torque]
         )
 
-    def pieces(
-        self, row: FloatArray, command: float = 0.0, target: float = 0.0, begin: float = 0.0
-    ) -> Pieces:
-        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next.
-
-        The row is one for all modes, or one a mode; `begin` is the first time, from 0 on.
-        """
-        by_mode = np.broadcast_to(row, (len(self.hybrid.modes), row.shape[-1]))
+    def pieces(self, row: FloatArray, command: float, target: float = 0.0) -> Pieces:
+        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next."""
         breaks = breaks_of(self.scene.command) - self.scene.begin
         end = self.times[-1]
         inner = breaks[(breaks > 0.0) & (breaks < end)]
         times = np.unique(np.concatenate([self.times, inner])) if command else self.times
-        if begin > 0.0:
-            times = np.append(begin, times[times > begin]) if begin < end else times[-1:]
         modes, states = self.at(times[:-1])
         rows = np.empty((TERMS, len(times) - 1))
         for mode in np.unique(modes):
-            some, terms = np.flatnonzero(modes == mode), [by_mode[mode]]
+            some, terms = np.flatnonzero(modes == mode), [row]
             for _ in range(TERMS - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
             rows[:, some] = np.array(terms) @ states[some].T

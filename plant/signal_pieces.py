@@ -26,11 +26,13 @@ class Pieces:
     @cached_property
     def scaled(self) -> FloatArray:
         """Coefficients of powers of the part of a piece that has passed."""
-        scaled, factor = self.rows.copy(), np.ones_like(self.durations)
-        for k in range(1, TERMS):
-            factor *= self.durations / k
-            scaled[k] *= factor
-        return scaled
+        powers = np.cumprod(
+            np.vstack(
+                [np.ones_like(self.durations)] + [self.durations / k for k in range(1, TERMS)]
+            ),
+            axis=0,
+        )
+        return np.asarray(self.rows * powers)
 
     @cached_property
     def bounds(self) -> FloatArray:
@@ -39,28 +41,16 @@ class Pieces:
 
     def peak(self) -> float:
         """Return the largest magnitude."""
-        low, high = self.extremes()
-        return max(high, -low)
-
-    def extremes(self) -> tuple[float, float]:
-        """Return the smallest and the largest value; 0 where there are no pieces."""
         if not self.times.size:
-            return 0.0, 0.0
-        ends = np.array([self.rows[0], self.scaled.sum(axis=0)])
-        low, high = float(ends.min()), float(ends.max())
-        away = self.bounds - np.abs(self.scaled[0])
-        some = np.flatnonzero((self.rows[0] + away > high) | (self.rows[0] - away < low))
+            return 0.0
+        ends = np.maximum(np.abs(self.rows[0]), np.abs(self.scaled.sum(axis=0)))
+        known = float(ends.max())
+        some = np.flatnonzero(self.bounds > known)
         if some.size:
-            lows, highs = extrema(np.ones(some.size), self._terms(some))
-            low, high = min(low, float(lows.min())), max(high, float(highs.max()))
-        return low, high
-
-    def mean_square(self) -> float:
-        """Return the mean of the square over time."""
-        nodes, weights = np.polynomial.legendre.leggauss(TERMS)
-        values = (0.5 + 0.5 * nodes)[:, None] ** np.arange(TERMS) @ self.scaled
-        squares = 0.5 * weights @ values**2
-        return float(squares @ self.durations / self.durations.sum())
+            kept = self._terms(some)
+            low, high = extrema(np.ones(some.size), kept)
+            known = max(known, float(high.max()), -float(low.min()))
+        return known
 
     def _terms(self, some: Any) -> FloatArray:
         """Return derivatives on pieces of length 1, as many as count."""

@@ -54,8 +54,8 @@ def draw(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figur
     Parameters
     ----------
     result : object
-        A trajectory, a follower's or a loop's response, a survey, conformance, margins of many
-        loops, a co-simulation, or what shapers are as filters.
+        A trajectory, a follower's response, a survey, conformance, margins of many loops, a
+        co-simulation, or what shapers are as filters.
     ax : Axes, optional
         To draw in, for pictures of one panel. Default: pyplot's current ones.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..plant import LoopResponse
 from ..shaping.checks import positive
-from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, unit_label
+from .style import BLUE, GREEN, GREY, ORANGE, RED, panels_figure, unit_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -90,39 +90,6 @@ def _show_limits(response: LoopResponse, ax: Axes, unit: str) -> None:
 def _draw_tolerance(ax: Axes, tolerance: float, unit: str) -> None:
     label = f"tolerance ±{tolerance:.4g} {unit}".strip()
     ax.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.25, label=label)
-
-
-def draw_load_error(
-    response: LoopResponse,
-    *,
-    ax: Axes,
-    tolerance: float | None = None,
-    unit: str = "rad",
-    scale: float = 1.0,
-) -> Axes:
-    """Draw the load's error over time, and a tolerance about 0."""
-    ax.plot(response.time, response.load_error / scale, color=BLUE, label="command − load")
-    if tolerance is not None:
-        _draw_tolerance(ax, tolerance / scale, unit)
-    ax.legend(loc="best")
-    return finish(ax, "Error of the load", "time [s]", f"command − load [{unit}]")
-
-
-def draw_torque(response: LoopResponse, *, ax: Axes, unit: str = "N m") -> Axes:
-    """Draw the torque over time, and its limit where there is one."""
-    name = "force" if unit == "N" else "torque"
-    digital = response.scene is not None and response.scene.is_digital
-    ax.plot(
-        response.time,
-        response.torque,
-        color=ORANGE,
-        drawstyle="steps-post" if digital else "default",
-        label=f"{name} command",
-    )
-    if response.scene is not None:
-        _draw_limit(ax, response.scene.axis.torque_limit, unit)
-    ax.legend(loc="best")
-    return finish(ax, name.capitalize(), "time [s]", f"{name} [{unit}]")
 
 
 def _draw_limit(ax: Axes, limit: float, unit: str) -> None:

@@ -181,7 +181,8 @@ def plot_budget(survey: Survey, *, ax: Axes) -> Axes:
         )
     largest = max([load / scale for _, load, _ in bars], default=1.0) or 1.0
     least = min([load / scale for _, load, _ in bars if load > 0.0], default=largest)
-    ax.set_xscale("log")
+    if any(load > 0.0 for _, load, _ in bars):
+        ax.set_xscale("log")
     ax.set_xlim(0.2 * least, 5.0 * largest)
     ax.invert_yaxis()
     return finish(ax, "Errors of the load by source", f"error [{unit}]", "")

@@ -55,11 +55,11 @@ def loop_margins(
 
     Parameters
     ----------
-    system : control.StateSpace, control.TransferFunction or ServoLoop
-        A servo loop is taken with its `loop_transfer()`: L(z) of a digital controller, sampling
-        and delay as they are. An open-loop transfer has one input and one output: G(s) in rad/s,
-        where an ideal (improper) transfer function is accepted without a delay, or L(z) with its
-        sampling time in seconds, such as `ServoLoop.sampled_loop_transfer` gives.
+    system : control.StateSpace or control.TransferFunction
+        Open-loop transfer, one input, one output: G(s) in rad/s, where an ideal (improper)
+        transfer function is accepted without a delay, or L(z) with its sampling time in seconds,
+        such as `ServoLoop.sampled_loop_transfer` gives. Of a ServoLoop it is its open loop, with
+        delay and sampling as they are.
     delay : float, optional
         Pure delay in seconds behind a system in continuous time, taken as it is, without a Padé
         approximation. A discrete loop has its delay in L(z).
@@ -72,7 +72,7 @@ def loop_margins(
     Raises
     ------
     TypeError
-        If `system` is none of these types.
+        If `system` is neither of the two types.
     ValueError
         If `system` has several inputs or outputs, coefficients that are not finite, no sampling
         time although it is discrete, or, discrete or behind a delay, more zeros than poles; if
@@ -127,9 +127,8 @@ def _validate(system: Any) -> None:
 
     if not isinstance(system, control.StateSpace | control.TransferFunction):
         raise TypeError(
-            f"system is a {type(system).__name__}; loop_margins takes a ServoLoop, a "
-            "control.StateSpace or a control.TransferFunction: convert it with control.ss or "
-            "control.tf"
+            f"system is a {type(system).__name__}; loop_margins takes a control.StateSpace or "
+            "control.TransferFunction: convert it with control.ss or control.tf"
         )
     if (system.noutputs, system.ninputs) != (1, 1):
         raise ValueError(

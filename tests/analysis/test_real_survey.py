@@ -4,6 +4,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import inf, isnan, pi, sqrt
 
+import control
 import numpy as np
 import pytest
 from real_loops import (
@@ -153,6 +154,19 @@ def test_peaks_of_all_four_are_those_of_dense_frequencies():
         seen = np.abs(system(points)).max()
         assert seen <= peak * (1.0 + 1e-12)
         assert seen == pytest.approx(peak, rel=1e-4)
+
+
+def test_the_unit_step_of_a_digital_loop_is_that_of_its_closed_loop():
+    """Of a PID with one encoder y/r is T, between samples the position of a slow loop."""
+    loop = ServoLoop(Axis(1.0, viscous=0.5), Controller(PID(40.0, 30.0, 12.0), sample_time=1e-3))
+    found = survey(loop, []).step
+    position = control.step_response(loop.sensitivity().T, 1e-3 * np.arange(9000)).outputs
+    assert found.overshoot_percent == pytest.approx(100.0 * (position.max() - 1.0), abs=1e-3)
+    assert found.peak_time_s == pytest.approx(1e-3 * position.argmax(), abs=1e-3)
+    continuous = survey(ServoLoop(Axis(1.0, viscous=0.5), PID(40.0, 30.0, 12.0)), []).step
+    polynomials = control.tf([12.0, 40.0, 30.0], [1.0, 12.5, 40.0, 30.0])
+    exact = control.step_response(polynomials, np.linspace(0.0, 5.0, 50_001)).outputs.max()
+    assert continuous.overshoot_percent == pytest.approx(100.0 * (exact - 1.0), abs=1e-4)
 
 
 def test_an_ideal_derivative_amplifies_noise_without_end():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from real_loops import ARCSEC, AXIS, GAINS, LABELS, REAL, SMOOTH, J, move, real_survey
+from real_loops import ARCSEC, AXIS, GAINS, LABELS, SMOOTH, J, move, real_survey
 
 from jounce.analysis import survey
 from jounce.plant import InertiaFeedforward, ServoLoop
@@ -106,7 +106,6 @@ def test_a_response_is_drawn_with_its_limit_and_tolerance():
 
 
 def test_a_response_draws_itself():
-    response = REAL.respond(real_survey().moves[0].trajectory, 1e-2)
-    figure = response.plot(tolerance=1e-6)
+    figure = real_survey().moves[0].configured.response.plot(tolerance=1e-6)
     assert [ax.get_ylabel() for ax in figure.axes] == ["position", "error", "torque"]
     plt.close(figure)

@@ -1,0 +1,102 @@
+"""Figures of a response in exact continuous time: extremes, mean square, largest torque."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ..shaping.pieces import extrema
+from .loop_response import LoopResponse, Of
+
+
+def load_extremes(
+    response: LoopResponse, target: float | None = None, *, of: Of = "load", after: float = 0.0
+) -> tuple[float, float]:
+    """Return the least and the largest of position less target.
+
+    Parameters
+    ----------
+    response : LoopResponse
+        One that knows what was simulated.
+    target : float, optional
+        Default: the command, wherever it moves.
+    of : "position" or "load", optional
+    after : float, optional
+        Time from the start from which on it counts.
+    """
+    return _extremes(_position(response, target, of, after))
+
+
+def rms_error(response: LoopResponse, *, of: Of = "load", after: float = 0.0) -> float:
+    """Return √(mean of (r − position)²) from `after` the start on."""
+    pieces = _position(response, None, of, after)
+    count = len(pieces.rows)
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    values = (0.5 + 0.5 * nodes)[:, None] ** np.arange(count) @ pieces.scaled
+    squares = 0.5 * weights @ values**2
+    return sqrt(float(squares @ pieces.durations / pieces.durations.sum()))
+
+
+def peak_torque(response: LoopResponse) -> float:
+    """Return the largest |u|."""
+    run = response.run
+    largest = 0.0
+    for mode in np.unique(run.modes[:-1]):
+        some = run.modes[:-1] == mode
+        low, high = _extremes(_of(run.pieces(run.hybrid.torque[mode], 0.0), some))
+        largest = max(largest, high, -low)
+    return largest
+
+
+def _position(response: LoopResponse, target: float | None, of: Of, after: float) -> Any:
+    run = response.run
+    row = run.load_row if of == "load" else run.seen_row
+    pieces = run.pieces(row, -1.0 if target is None else 0.0, target or 0.0)
+    return _later(pieces, after) if after > 0.0 else pieces
+
+
+def _of(pieces: Any, some: Any) -> Any:
+    """Return some of the pieces."""
+    times, durations = pieces.times[some], pieces.durations[some]
+    return replace(pieces, times=times, durations=durations, rows=pieces.rows[:, some])
+
+
+def _later(pieces: Any, begin: float) -> Any:
+    """Return the pieces from a time on, the one within which it lies cut there."""
+    ends = pieces.times + pieces.durations
+    kept = _of(pieces, ends > begin)
+    if not kept.times.size or kept.times[0] >= begin:
+        return kept
+    ahead = begin - float(kept.times[0])
+    rows, count = kept.rows.copy(), len(kept.rows)
+    powers = np.cumprod(np.append(1.0, ahead / np.arange(1.0, count)))
+    for k in range(count):
+        rows[k, 0] = powers[: count - k] @ kept.rows[k:, 0]
+    times, durations = kept.times.copy(), kept.durations.copy()
+    times[0], durations[0] = begin, durations[0] - ahead
+    return replace(kept, times=times, durations=durations, rows=rows)
+
+
+def _extremes(pieces: Any) -> tuple[float, float]:
+    """Return the smallest and the largest value; 0 where there are no pieces."""
+    if not pieces.times.size:
+        return 0.0, 0.0
+    ends = np.array([pieces.rows[0], pieces.scaled.sum(axis=0)])
+    low, high = float(ends.min()), float(ends.max())
+    away = pieces.bounds - np.abs(pieces.scaled[0])
+    some = (pieces.rows[0] + away > high) | (pieces.rows[0] - away < low)
+    if some.any():
+        lows, highs = extrema(np.ones(int(some.sum())), _terms(pieces.scaled[:, some]))
+        low, high = min(low, float(lows.min())), max(high, float(highs.max()))
+    return low, high
+
+
+def _terms(scaled: Any) -> Any:
+    """Return derivatives on pieces of length 1, as many as count."""
+    sizes = np.abs(scaled).max(axis=1)
+    count = int(np.flatnonzero(sizes > 1e-18 * sizes.max())[-1]) + 1 if sizes.max() else 1
+    factorials = np.cumprod(np.append(1.0, np.arange(1.0, count)))
+    return scaled[:count] * factorials[:, None]
