@@ -255,12 +255,14 @@ static void move_part(const jounce_run *run, const Places *p, double h) {
 
 static void pass(jounce_run *run, int guard) {
     const jounce_automaton *a = run->automaton;
-    int i, n = a->states, which = run->mode * a->guards + guard;
+    int i, n = a->states, which = run->mode * a->guards + guard, projects = 0;
     double along = dot(a->along + which * n, run->z, n);
     for (i = 0; i < n; i++) {
+        projects = projects || a->onto[which * n + i] != 0.0;
         run->z[i] += a->onto[which * n + i] * along;
     }
     run->mode = (int)a->next[which];
+    run->holding = projects ? run->mode : run->holding;
 }
 
 jounce_status jounce_record(jounce_run *run, double t) {
@@ -280,6 +282,16 @@ jounce_status jounce_record(jounce_run *run, double t) {
     }
     run->count += 1;
     return JOUNCE_OK;
+}
+
+/* Where modes change for ever at one instant, the one that holds something (a motor that sticks)
+ * holds it to the end of the step: what would end it is there by rounding alone. */
+static int on_edge(jounce_run *run) {
+    if (run->at_once <= AT_ONCE || run->holding < 0) {
+        return 0;
+    }
+    run->mode = run->holding;
+    return 1;
 }
 
 /* A step or what there is until a guard falls; returns how long it was. */
@@ -320,21 +332,29 @@ jounce_status jounce_advance(jounce_run *run, double t, double span) {
     int step = step_for(run, span);
     double length = run->steps[step];
     run->at_once = 0;
+    run->holding = -1;
     while (span - done > slack) {
         int whole = span - done >= length * (1.0 - 1e-9);
         double went, h = whole ? length : smaller(span - done, run->steps[0]);
+        int held = on_edge(run);
         if (jounce_record(run, t + done) != JOUNCE_OK) {
             return JOUNCE_FULL;
         }
-        went = advance_once(run, &p, h, whole ? step : -1);
+        if (held) {
+            move_part(run, &p, h);
+            went = h;
+        } else {
+            went = advance_once(run, &p, h, whole ? step : -1);
+        }
         done += went;
         if (went > AT_ONCE_LENGTH * run->steps[0]) {
             run->at_once = 0;
+            run->holding = -1;
             continue;
         }
         run->count -= run->segments != NULL;
         run->at_once += 1;
-        if (run->at_once > AT_ONCE) {
+        if (run->at_once > AT_ONCE && run->holding < 0) {
             return JOUNCE_CHATTER;
         }
     }

@@ -254,7 +254,7 @@ typedef struct {
     double steps[2];
     double *work;
     double *z;
-    int mode, at_once; /* at_once: changes of mode since time went on */
+    int mode, at_once, holding; /* changes of mode since time went on, and one that holds, or -1 */
     double *segments;
     size_t count, room;
 } jounce_run;

@@ -10,6 +10,7 @@ from jounce.plant import (
     PID,
     Axis,
     BackCalculation,
+    CascadedPI,
     Clamp,
     Controller,
     Feedforward,
@@ -433,3 +434,15 @@ def test_an_unstable_loop_says_so():
     loop = ServoLoop(Axis(2.0), Controller(PID(1e6, 0.0, 0.0), sample_time=0.1))
     with pytest.raises(ValueError, match="unstable"):
         loop.respond(MOVE, 0.1, duration=200.0)
+
+
+@pytest.mark.parametrize("duration", [7.415685493214459, 22.247056479643376])
+def test_a_motor_on_the_edge_of_breaking_away_stays_where_it_is(duration):
+    """Static friction that equals Coulomb's, and a torque that comes to rest at it: no motion."""
+    axis = Axis(1.0, current_lag=1e-3, friction=Friction(0.2))
+    loop = ServoLoop(axis, Controller(CascadedPI(6.0, 12.0, 0.1), sample_time=1e-3))
+    still = 0.0021604672930620136
+    response = loop.respond(Ramp(0.0, still), times=[0.0, duration], start=0.0)
+    times = [time for time, _, _ in response.friction_events]
+    assert abs(response.error[-1]) < 1e-12 * still
+    assert len(times) == len(set(times)), response.friction_events
