@@ -85,7 +85,7 @@ static void put_axis_out(State *s, double torque) {
 static const char *move_axis(State *s, Cache *cache, double torque, double h) {
     double z[N_Z];
     jounce_automaton own = own_automaton();
-    jounce_run run = {&own, {LONGER_STEP, SHORTER_STEP}, NULL, NULL, 0, 0, NULL, 0, 0};
+    jounce_run run = {&own, {LONGER_STEP, SHORTER_STEP}, NULL, NULL, 0, 0, -1, NULL, 0, 0};
     jounce_status status;
     int i;
     if (h / SHORTER_STEP > MOST_STEPS) {

@@ -57,6 +57,19 @@ def test_a_box_is_pushed_slides_stops_and_sticks_whatever_the_steps(version, see
     host.close()
 
 
+def edged():
+    return Axis(1.0, current_lag=1e-3, friction=Friction(0.2))
+
+
+@pytest.mark.parametrize("push", [0.2, np.nextafter(0.2, 1.0)])
+def test_one_on_the_edge_of_breaking_away_stays_where_it_is(push):
+    host = Host(fmu_of(edged, "3.0")).run(u=push)
+    made = host.record(steps(np.random.default_rng(3), 5.0, 0.01), "y", "torque")
+    assert np.abs(made[0]).max() < 1e-14
+    assert made[1][-1] == pytest.approx(push, rel=1e-12)
+    host.close()
+
+
 def test_it_slides_from_the_start_where_it_starts_to_move():
     host = Host(fmu_of(box, "2.0"))
     host.set(**{"state.y_rate": -0.5})
