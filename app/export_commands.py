@@ -49,7 +49,10 @@ def export_c_command(
         str | None, typer.Option(help="What names in C begin with. Default: the block's.")
     ] = None,
     sample_time: Annotated[
-        str, typer.Option(help="Of controller, follower, shaper and servo, such as '1 ms'.")
+        str,
+        typer.Option(
+            help="Of what has none of its own: a continuous controller, follower, shaper."
+        ),
     ] = "1 ms",
 ) -> None:
     """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""

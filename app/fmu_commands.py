@@ -58,7 +58,8 @@ def export_command(
         typer.Option("--output", "-o", help="File to write. Default: SCENARIO_BLOCK.fmu, here."),
     ] = None,
     sample_time: Annotated[
-        str, typer.Option(help="Of the controller and the follower, such as '1 ms'.")
+        str,
+        typer.Option(help="Of what has none of its own: a continuous controller, the follower."),
     ] = "1 ms",
     platform: Annotated[
         list[str] | None,

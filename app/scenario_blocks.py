@@ -10,12 +10,15 @@ from ..analysis.specification import Move
 from ..analysis.surveyed_moves import planned
 from ..fmu import (
     CExport,
+    DigitalController,
     FmuExport,
     SampledController,
     SampledLoop,
     export_c,
     export_fmu,
 )
+from ..fmu.exporting.servo_block import check_bare_pid
+from ..plant import ServoLoop
 from ..shaping import CommandFollower, Limits, Trajectory
 from .scenario import Scenario
 from .scenario_loop import jerk_filter_of, servo_loop_of
@@ -75,23 +78,24 @@ def export_block(
         from ..fmu.exporting.ssp import export_ssp
 
         move, notes = _first_of(scenario, move)
+        loop = servo_loop_of(scenario)
         made = export_ssp(
             path,
             trajectory_of(scenario, move),
-            servo_loop_of(scenario),
-            dt=dt,
+            loop,
+            dt=None if loop.is_digital else dt,
             jerk_filter=jerk_filter_of(scenario),
             fmi_version=fmi_version,
             platforms=platforms,
             unit=unit,
         )
-        return replace(made, notes=(*notes, *made.notes))
+        return replace(made, notes=(*notes, *_own_time(loop, dt), *made.notes))
     notes = ()
     if block == "servo":
         move, notes = _first_of(scenario, move)
-    source = _source(scenario, block, dt, move)
+    source, told = _source(scenario, block, dt, move)
     alone = export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
-    return replace(alone, notes=(*notes, *alone.notes))
+    return replace(alone, notes=(*notes, *told, *alone.notes))
 
 
 def export_c_block(
@@ -134,8 +138,9 @@ def export_c_block(
     notes: tuple[str, ...] = ()
     if block in ("shaper", "servo"):
         move, notes = _first_of(scenario, move)
-    source = _source(scenario, block, dt, move)
-    return export_c(source, folder, name=block if name is None else name, unit=unit), notes
+    source, told = _source(scenario, block, dt, move)
+    made = export_c(source, folder, name=block if name is None else name, unit=unit)
+    return made, (*notes, *told)
 
 
 def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[str, ...]]:
@@ -149,33 +154,47 @@ def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[s
 
 def _source(
     scenario: Scenario, block: BlockName | FirmwareName, dt: float, move: str | None
-) -> Any:
+) -> tuple[Any, tuple[str, ...]]:
+    """Return what is to leave, and what is to be said of its sample time."""
     if block == "trajectory":
-        return trajectory_of(scenario, move)
+        return trajectory_of(scenario, move), ()
     if block in ("follower", "shaper"):
-        chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
-        try:
-            return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
-        except ValueError as error:
-            raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
+        return _follower_of(scenario, dt, move), ()
     if block == "filter":
         found = jerk_filter_of(scenario)
         if found is None:
             raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
-        return found
-    if block == "servo":
-        return _loop_of(scenario, dt, move)
+        return found, ()
     loop = servo_loop_of(scenario)
     if block == "plant":
-        return loop.plant
-    return SampledController(loop.controller, dt, loop.feedforward)
+        return loop.plant, ()
+    told = _own_time(loop, dt)
+    if block == "servo":
+        running, behind = None if loop.is_digital else dt, jerk_filter_of(scenario)
+        return SampledLoop(trajectory_of(scenario, move), loop, running, behind), told
+    if loop.is_digital:
+        return DigitalController.of(loop), told
+    check_bare_pid(loop)
+    return SampledController(loop.controller_noun.law, dt, loop.feedforward), told  # type: ignore[arg-type]
 
 
-def _loop_of(scenario: Scenario, dt: float, move: str | None) -> SampledLoop:
-    """Return the whole loop on its way along a move."""
-    return SampledLoop(
-        trajectory_of(scenario, move), servo_loop_of(scenario), dt, jerk_filter_of(scenario)
+def _own_time(loop: ServoLoop, dt: float) -> tuple[str, ...]:
+    """Return what is to be said where a controller's own sample time is another than asked for."""
+    own = loop.controller_noun.sample_time
+    if own is None or own == dt:
+        return ()
+    return (
+        f"The controller runs every {own!r} s, as the scenario says; --sample-time is for what has "
+        "none of its own",
     )
+
+
+def _follower_of(scenario: Scenario, dt: float, move: str | None) -> CommandFollower:
+    chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
+    try:
+        return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:

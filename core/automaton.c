@@ -267,10 +267,14 @@ static void pass(jounce_run *run, int guard) {
 
 jounce_status jounce_record(jounce_run *run, double t) {
     int i, n = run->automaton->states;
-    double *row = run->segments + run->count * (size_t)(n + 2);
+    double *row;
+    if (run->segments == NULL) {
+        return JOUNCE_OK;
+    }
     if (run->count == run->room) {
         return JOUNCE_FULL;
     }
+    row = run->segments + run->count * (size_t)(n + 2);
     row[0] = t;
     row[1] = (double)run->mode;
     for (i = 0; i < n; i++) {
@@ -348,7 +352,7 @@ jounce_status jounce_advance(jounce_run *run, double t, double span) {
             run->holding = -1;
             continue;
         }
-        run->count -= 1;
+        run->count -= run->segments != NULL;
         run->at_once += 1;
         if (run->at_once > AT_ONCE && run->holding < 0) {
             return JOUNCE_CHATTER;

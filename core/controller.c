@@ -17,16 +17,6 @@ double jounce_pid_integral(const jounce_pid *pid, double integral, double e) {
 /* Places in the state, before two numbers of each filter's section. */
 enum { STARTED, INTEGRAL, PAST, RATE, SECTIONS };
 
-/* The largest whole number up to x. */
-static double whole_below(double x) {
-    double whole;
-    if (!(magnitude(x) < 4503599627370496.0)) { /* 2^52: it is whole already */
-        return x;
-    }
-    whole = (double)(int64_t)x;
-    return whole > x ? whole - 1.0 : whole;
-}
-
 static double reading(const jounce_controller *c, double position) {
     return c->encoder_step > 0.0
                ? c->encoder_step * whole_below(position / c->encoder_step + 0.5)

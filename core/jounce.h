@@ -248,7 +248,7 @@ enum { JOUNCE_TERMS = 25 }; /* of a Taylor series; ||rates|| times a step is at 
      (JOUNCE_TERMS + 2) * (n) + (moving) * (n) * 2 + 2 * JOUNCE_TERMS)
 
 /* A run of it: `segments` receives a row of time, mode and z at the start of every step, and the
- * last at the end. */
+ * last at the end; it may be NULL. */
 typedef struct {
     const jounce_automaton *automaton;
     double steps[2];

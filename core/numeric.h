@@ -37,6 +37,16 @@ static inline double clamp(double x, double low, double high) {
     return smaller(larger(x, low), high);
 }
 
+/* The largest whole number up to x. */
+static inline double whole_below(double x) {
+    double whole;
+    if (!(magnitude(x) < 4503599627370496.0)) { /* 2^52: it is whole already */
+        return x;
+    }
+    whole = (double)(int64_t)x;
+    return whole > x ? whole - 1.0 : whole;
+}
+
 static inline int is_finite(double x) { return x - x == 0.0; }
 
 /* 2^exponent, rounded to zero below and to infinity above the range of a double. */

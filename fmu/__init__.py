@@ -10,9 +10,11 @@ if TYPE_CHECKING:
     from .cosimulation.fmu_system import FmuSystem
     from .cosimulation.load_ssp import load_ssp
     from .exporting.compile import CompilerError
+    from .exporting.digital_controller import DigitalController
     from .exporting.export import FmuExport, export_fmu
     from .exporting.export_c import CExport, export_c
     from .exporting.loop_blocks import SampledController
+    from .exporting.sampled_shaper import SampledShaper
     from .exporting.servo_block import SampledLoop
     from .exporting.ssp import SspExport, export_ssp, export_ssp_of
     from .importing.description import FmuDescription, FmuError, FmuTerminated, FmuVariable
@@ -31,6 +33,7 @@ _LATER = {
     "export_ssp": "exporting.ssp",
     "export_ssp_of": "exporting.ssp",
     "CompilerError": "exporting.compile",
+    "DigitalController": "exporting.digital_controller",
     "CosimulationResult": "cosimulation.cosimulation_result",
     "Fmu": "importing.stepping",
     "FmuDescription": "importing.description",
@@ -42,6 +45,7 @@ _LATER = {
     "FmuVariable": "importing.description",
     "SampledController": "exporting.loop_blocks",
     "SampledLoop": "exporting.servo_block",
+    "SampledShaper": "exporting.sampled_shaper",
     "cosimulate": "cosimulation.cosimulate",
     "export_fmu": "exporting.export",
     "inspect_fmu": "importing.reading",
@@ -55,6 +59,7 @@ __all__ = [
     "CExport",
     "CompilerError",
     "CosimulationResult",
+    "DigitalController",
     "Fmu",
     "FmuDescription",
     "FmuError",
@@ -65,6 +70,7 @@ __all__ = [
     "FmuVariable",
     "SampledController",
     "SampledLoop",
+    "SampledShaper",
     "SspExport",
     "cosimulate",
     "export_c",

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
 from .. import core
 from ..shaping.pieces import FloatArray
-from .anti_windup import BackCalculation, Clamp
-from .cascade import CascadedPI
 from .commands import derivatives_of, on_breaks
-from .controller import Controller
+from .core_numbers import fastest, memory_at_rest, sampled_steps, tuning
 from .hybrid import Hybrid, Mode, hybrid_of
 from .layout import Layout, at_rest, layout_of
 from .open_loop import open_loop
@@ -33,14 +31,12 @@ def simulate(scene: Scene) -> Run:
     hybrid = hybrid_of(axis, controller, layout, loop, scene.feedforward.friction)
     rest, holding = at_rest(axis, scene.start)
     initial = np.append(rest, np.zeros(states - len(rest)))
-    preload = holding / controller.integral_gain if holding and controller.integral_gain else 0.0
-    if loop is not None:
-        initial[loop.integral] = preload
+    if loop is not None and holding and controller.integral_gain:
+        initial[loop.integral] = holding / controller.integral_gain
     z = layout.initial(initial)
-    memory = np.zeros(4 + 2 * (len(controller.sections) if scene.is_digital else 0))
+    memory = np.zeros(4)
     if scene.is_digital:
-        z[layout.held], memory[1] = holding, preload
-        _preload_filters(controller, memory, holding)
+        z[layout.held], memory = holding, memory_at_rest(controller, holding)
     first, place = 0, layout.level("ripple")
     if axis.ripple is not None and place is not None:
         motor = float(axis.dynamics.motor @ rest)
@@ -91,15 +87,6 @@ def simulate(scene: Scene) -> Run:
     )
 
 
-def _preload_filters(controller: Controller, memory: FloatArray, holding: float) -> None:
-    """Put filters into the state of a constant torque."""
-    x = holding
-    for i, (b0, b1, b2, a1, a2) in enumerate(controller.sections):
-        y = x * (b0 + b1 + b2) / (1.0 + a1 + a2) if holding else 0.0
-        memory[4 + 2 * i], memory[5 + 2 * i] = y - b0 * x, b2 * x - a2 * y
-        x = y
-
-
 def _sampled_command(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Return the command and its derivatives at all samples, and the same a lead later."""
     dt, f = scene.controller.sample_time, scene.feedforward
@@ -118,50 +105,20 @@ def _numbers(
     scene: Scene, layout: Layout, hybrid: Hybrid, samples: int, settings: int
 ) -> tuple[list[float], list[float], FloatArray]:
     """Return the numbers of loop and controller, and the filters' sections, for the core."""
+    c = scene.controller
     steps = _steps(scene, layout, hybrid)
     numbers = [layout.size, layout.moving, len(hybrid.modes), hybrid.rows.shape[1], *steps, 0]
-    numbers += [scene.duration, scene.controller.delay, samples, layout.held]
+    numbers += [scene.duration, c.delay, samples, layout.held]
     numbers += [settings, layout.chain, layout.held - layout.chain]
-    c, law, way = scene.controller, scene.controller.law, scene.controller.anti_windup
-    kinds = {"conditional": 1, BackCalculation: 2, Clamp: 3}
-    winding = kinds.get(way if isinstance(way, str) else type(way), 0)
+    tuned = tuning(c, scene.feedforward, scene.axis.torque_limit, scene.axis.encoder_step)
     sections = c.sections if scene.is_digital else np.empty((0, 5))
-    cascade = isinstance(law, CascadedPI)
-    gains = (
-        [law.velocity_gain, law.integral_gain, 0.0]
-        if isinstance(law, CascadedPI)
-        else [
-            law.kp,
-            law.ki,
-            law.kr,
-        ]
-    )
-    outer = (
-        [law.position_gain, law.velocity_feedforward] if isinstance(law, CascadedPI) else [0.0] * 2
-    )
-    tuned = [float(cascade), winding, len(sections), max(scene.feedforward.order, 1)]
-    tuned += [c.sample_time or 1.0, *gains, c.rate_filter, *outer]
-    tuned += [scene.feedforward.friction, scene.axis.torque_limit]
-    tuned += [way.tracking_time if isinstance(way, BackCalculation) else 1.0]
-    tuned += [way.integral_limit if isinstance(way, Clamp) else inf, scene.axis.encoder_step]
-    return [float(x) for x in numbers], [float(x) for x in tuned], sections
+    return [float(x) for x in numbers], tuned, sections
 
 
 def _steps(scene: Scene, layout: Layout, hybrid: Hybrid) -> tuple[float, float]:
     """Return two lengths of steps, the longer first, in which the Taylor series is exact."""
-    from scipy.linalg import matrix_balance
-
-    own = layout.chain
-    norm = 0.0
-    for rates in hybrid.rates:
-        balanced = matrix_balance(rates[:own, :own], permute=False)[0]
-        norm = max(norm, float(np.abs(balanced).sum(axis=0).max(initial=0.0)))
-    dt = scene.controller.sample_time
-    if dt is None:
+    norm = fastest(layout, hybrid)
+    if scene.controller.sample_time is None:
         longest = min(2.0 / norm if norm else inf, scene.duration)
         return longest, longest
-    rest = scene.controller.delay % dt
-    if rest < 1e-9 * dt or dt - rest < 1e-9 * dt:
-        rest = 0.0
-    lengths = [part / max(ceil(0.5 * norm * part), 1) for part in (rest, dt - rest) if part]
-    return max(lengths), min(lengths)
+    return sampled_steps(norm, scene.controller.sample_time, scene.controller.delay)

@@ -7,15 +7,21 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...plant.axis import Axis
+from ...plant.controller import Controller
 from ...plant.exact_response import state_space
 from ...plant.flexible_inertia import FlexibleInertia
 from ...plant.inertia import Inertia
 from ...shaping import CommandFollower, JerkFilter, Trajectory
 from ...shaping.trajectory import Planned
+from .axis_block import axis_block
 from .blocks import Block
+from .digital_block import digital_block
+from .digital_controller import DigitalController
 from .linear_blocks import linear_block
 from .loop_blocks import SampledController, controller_block, inertia_block
 from .motion_blocks import follower_block, jerk_filter_block, trajectory_block
+from .sampled_shaper import SampledShaper, shaper_block
 from .servo_block import SampledLoop, servo_block
 from .units import effort, position_unit, rate
 
@@ -28,13 +34,21 @@ def _flexible_block(plant: FlexibleInertia, name: str, unit: str) -> Block:
     return linear_block(plant.system(), name, units | {"u": effort(unit)})
 
 
+def _bare_block(controller: Controller, name: str, unit: str) -> Block:
+    return digital_block(DigitalController(controller), name, unit)
+
+
 _KINDS: tuple[tuple[type, str, Any], ...] = (
     (Trajectory, "trajectory", trajectory_block),
     (CommandFollower, "command_follower", follower_block),
     (JerkFilter, "jerk_filter", jerk_filter_block),
+    (SampledShaper, "input_shaper", shaper_block),
     (Inertia, "inertia", inertia_block),
     (FlexibleInertia, "flexible_inertia", _flexible_block),
+    (Axis, "axis", axis_block),
     (SampledController, "controller", controller_block),
+    (DigitalController, "controller", digital_block),
+    (Controller, "controller", _bare_block),
     (SampledLoop, "servo_loop", servo_block),
 )
 
@@ -44,8 +58,8 @@ def block_of(source: Any, *, name: str | None = None, unit: Unit = "1") -> Block
 
     Parameters
     ----------
-    source : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-SampledLoop, StateSpace or TransferFunction
+    source : Trajectory, CommandFollower, JerkFilter, SampledShaper, Inertia, FlexibleInertia, \
+Axis, SampledController, DigitalController, Controller, SampledLoop, StateSpace or TransferFunction
     name : str, optional
         A C identifier. Default: after the kind of object, or a linear system's own name.
     unit : str or mapping, optional

@@ -62,8 +62,8 @@ def export_fmu(
 
     Parameters
     ----------
-    block : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-SampledLoop, StateSpace or TransferFunction
+    block : Trajectory, CommandFollower, JerkFilter, SampledShaper, Inertia, FlexibleInertia, \
+Axis, SampledController, DigitalController, Controller, SampledLoop, StateSpace or TransferFunction
         A python-control system of continuous time, or discrete
         with a sampling time, and at most 200 states.
     path : path-like

@@ -54,8 +54,8 @@ def export_c(
 
     Parameters
     ----------
-    block : Trajectory, CommandFollower, JerkFilter, Inertia, FlexibleInertia, SampledController, \
-SampledLoop, StateSpace or TransferFunction
+    block : Trajectory, CommandFollower, JerkFilter, SampledShaper, Inertia, FlexibleInertia, \
+Axis, SampledController, DigitalController, Controller, SampledLoop, StateSpace or TransferFunction
         As for `export_fmu`.
     folder : path-like
         To be made, in a folder that exists; or empty; or an earlier export that nobody has

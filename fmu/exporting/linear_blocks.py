@@ -68,11 +68,11 @@ def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str
         "continuous",
         constants=_sizes(system),
         tables={
-            "rate_by_state": _rows(balanced),
-            "rate_by_input": _rows(system.B / scale[:, None]),
-            "output_by_state": _rows(system.C),
-            "output_by_input": _rows(system.D),
-            "scale": _rows(scale),
+            "rate_by_state": table_rows(balanced),
+            "rate_by_input": table_rows(system.B / scale[:, None]),
+            "output_by_state": table_rows(system.C),
+            "output_by_input": table_rows(system.D),
+            "scale": table_rows(scale),
         },
         work=1 + system.nstates * (4 * system.nstates + system.ninputs + 1),
         partials=True,
@@ -103,8 +103,8 @@ def _discrete(system: control.StateSpace, name: str, unit_of: Mapping[str, str])
         "discrete",
         constants=_sizes(system) | {"SAMPLE_TIME": repr(dt)},
         tables={
-            "row_by_state": _rows(np.vstack([system.A, system.C])),
-            "row_by_input": _rows(np.vstack([system.B, system.D])),
+            "row_by_state": table_rows(np.vstack([system.A, system.C])),
+            "row_by_input": table_rows(np.vstack([system.B, system.D])),
         },
         memory=system.nstates,
         sample_time=dt,
@@ -200,7 +200,7 @@ def _sizes(system: control.StateSpace) -> dict[str, str]:
     return {name: str(size) for name, size in sizes.items()}
 
 
-def _rows(values: ArrayLike) -> list[object]:
+def table_rows(values: ArrayLike) -> list[object]:
     """Return an array as lists; C has none that are empty."""
     array = np.asarray(values, dtype=float)
     least = tuple(max(size, 1) for size in array.shape)

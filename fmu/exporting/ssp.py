@@ -10,26 +10,21 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ...plant.inertia import Inertia
 from ...plant.servo_loop import ServoLoop
 from ...shaping import JerkFilter
-from ...shaping.checks import finite, of_kind, positive
-from ...shaping.trajectory import Motion, as_trajectory
-from . import units
+from ...shaping.checks import finite, positive
+from ...shaping.trajectory import Motion
 from .archive import archive, target_file, write_atomically
-from .blocks import Block, Variable, check_xml_name
+from .blocks import Block, check_xml_name
 from .dispatch import block_of
 from .export import export_fmu
-from .loop_blocks import SampledController
-from .servo_block import check_commands
-from .units import position_unit, rate
+from .servo_block import SampledLoop, planned
+from .ssp_parts import lasting_of, parts_of
+from .units import position_unit
 from .xml_ssp import Link, structure_description
 
 SSD = "SystemStructure.ssd"
 
-_MOTION = {"position": "r", "velocity": "r_rate", "acceleration": "r_acceleration"}
-_FED = {"position": "", "velocity": "_velocity", "acceleration": "_acceleration"}
-_SETTLED = 1e-6
 _NEARLY = 1e-9
 _MAX_STEPS = 1e12
 
@@ -62,7 +57,7 @@ def export_ssp(
     trajectory: Motion,
     loop: ServoLoop,
     *,
-    dt: float,
+    dt: float | None = None,
     jerk_filter: JerkFilter | None = None,
     duration: float | None = None,
     fmi_version: str = "2.0",
@@ -72,17 +67,21 @@ def export_ssp(
     """Write shaper, controller and plant, connected, as one file for tools that know SSP.
 
     The components are `controller` (sampled every dt), `plant`, `filter` if there is one, and
-    `shaper`. The plant starts at rest where the trajectory starts.
+    `shaper`; with a feedforward that looks ahead `ahead`, too. The plant starts at rest where the
+    trajectory starts. A digital controller runs as it is, on an axis with friction and all.
 
     Parameters
     ----------
     path : path-like
         Of the file; its folder must exist. An existing file is replaced.
     trajectory : Trajectory
-        Of order 2 or more; behind a jerk filter, of any.
+        Of order 2 or more; behind a jerk filter, of any. Of a digital loop, of the order of its
+        feedforward.
     loop : ServoLoop
-    dt : float
-        Sample time of the controller, which should be the host's step.
+        A PID on a linear plant, or a digital loop without computing delay.
+    dt : float, optional
+        Sample time of the controller, which should be the host's step. Default: the digital
+        controller's.
     jerk_filter : JerkFilter, optional
         Put between the shaper and the loop; of order 3 or more. It takes the command as a
         polynomial of second degree within each step.
@@ -129,38 +128,17 @@ def export_ssp(
     >>> made.components
     ('controller', 'plant', 'shaper')
     """
-    trajectory = as_trajectory(trajectory)
-    of_kind("loop", loop, ServoLoop, "a ServoLoop")
-    dt, unit = positive("dt", dt), position_unit(unit)
-    check_commands(trajectory, jerk_filter)
-    lasting = trajectory.duration
-    start = {"start_position": trajectory.start_state[0]}
-    blocks: dict[str, Any] = {
-        "controller": SampledController(loop.controller, dt, loop.feedforward),
-        "plant": _plant(loop.plant, unit, float(trajectory.start_state[0])),
-    }
-    connections = [
-        ("controller.u", "plant.u"),
-        ("plant.y", "controller.y"),
-        ("plant.y_rate", "controller.y_rate"),
-    ]
-    source = "shaper"
-    if jerk_filter is not None:
-        source, lasting = "filter", lasting + jerk_filter.settling_time(_SETTLED)
-        start["start_velocity"] = trajectory.start_state[1] if trajectory.order > 1 else 0.0
-        blocks["filter"] = _started(block_of(jerk_filter, name="filter", unit=unit), start)
-        given = list(_FED)[: trajectory.order + 1]
-        connections += [(f"shaper.{own}", f"filter.command{_FED[own]}") for own in given]
-    connections += [(f"{source}.{own}", f"controller.{to}") for own, to in _MOTION.items()]
-    blocks["shaper"] = trajectory
-    lasting = lasting if duration is None else positive("duration", duration)
+    sampled = SampledLoop(planned(trajectory), loop, dt, jerk_filter)
+    unit = position_unit(unit)
+    blocks, connections = parts_of(sampled, unit)
+    lasting = lasting_of(sampled) if duration is None else positive("duration", duration)
     return export_ssp_of(
         path,
         {name: block_of(block, name=name, unit=unit) for name, block in blocks.items()},
         connections,
-        dt=dt,
-        start_time=trajectory.start_time,
-        duration=_in_steps(lasting, dt),
+        dt=sampled.sample_time,
+        start_time=sampled.trajectory.start_time,
+        duration=_in_steps(lasting, sampled.sample_time),
         fmi_version=fmi_version,
         platforms=platforms,
         name="servo_loop",
@@ -251,27 +229,6 @@ def _in_steps(duration: float, dt: float) -> float:
             f"most {_MAX_STEPS:.0e}: give both in seconds"
         )
     return max(ceil(steps), 1) * dt
-
-
-def _plant(plant: Any, unit: str, start: float) -> Block:
-    """Return a plant as a block that rests at `start`."""
-    if isinstance(plant, Inertia):
-        return _started(block_of(plant, name="plant", unit=unit), {"y": start})
-    system = plant.system()
-    kinds = {"rate": rate(unit, 1), "u": units.effort(unit)}
-    names = [*system.input_labels, *system.output_labels, *system.state_labels]
-    known = {own: kinds.get(own.rpartition("_")[2], unit) for own in names}
-    return _started(block_of(system, name="plant", unit=known), {"state.y": start})
-
-
-def _started(block: Block, start: Mapping[str, float]) -> Block:
-    """Return a block with other start values."""
-
-    def moved(variable: Variable) -> Variable:
-        own = start.get(variable.name)
-        return variable if own is None else replace(variable, start=float(own))
-
-    return replace(block, variables=tuple(map(moved, block.variables)))
 
 
 def _checked(blocks: Mapping[str, Block], connections: Iterable[tuple[str, str]]) -> list[Link]:

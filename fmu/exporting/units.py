@@ -93,6 +93,24 @@ def gain(position: str, time_power: int) -> str:
     return f"{moving}/{position}" + ("/s" if time_power < 0 else "")
 
 
+def feed(position: str, order: int) -> str:
+    """Return the unit of effort per derivative `order` of the position."""
+    if order == 2:
+        return inertia(position)
+    if order < 2:
+        return gain(position, order)
+    if position == "1":
+        return f"s{order - 2 if order > 3 else ''}"
+    return f"{effort(position)}.s{order}/{position}"
+
+
+def integral(position: str, order: int) -> str:
+    """Return the unit of the integral over time of position (order 1), or of velocity (0)."""
+    if order == 0:
+        return position
+    return "s" if position == "1" else f"{position}.s"
+
+
 def position_unit(name: str) -> str:
     """Return a unit of position, checked."""
     try:

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from fmus import needs_compiler
 
+from jounce.app import scenario_blocks
 from jounce.fmu.exporting import export_c as writing
+from jounce.plant import PID, Axis, Controller, Feedforward, Friction, ServoLoop
 from jounce.shaping import CommandFollower, JerkFilter, Limits
 
 SCENARIO = """
@@ -99,3 +101,34 @@ def test_wrong_input_is_one_line(run, arguments, told, folder):
     assert (status, out, len(errors)) == (2, "", 1)
     assert told in errors[0]
     assert [path.name for path in folder.iterdir()] == ["axis.toml"]
+
+
+def digital_loop(**more):
+    """Return a loop with a sample time of its own, in place of the scenario's."""
+    axis = Axis(2.0, friction=Friction(0.5), torque_limit=9.0)
+    running = Controller(PID(900.0, 600.0, 80.0), **{"sample_time": 5e-4} | more)
+    return ServoLoop(axis, running, Feedforward({2: 2.0}))
+
+
+@pytest.mark.parametrize("block", ["controller", "plant", "servo"])
+def test_a_digital_loop_leaves_as_it_is(run, block, monkeypatch):
+    monkeypatch.setattr(scenario_blocks, "servo_loop_of", lambda _: digital_loop())
+    monkeypatch.setattr(scenario_blocks, "jerk_filter_of", lambda _: None)
+    status, out, errors = run(block, "--output", "made")
+    assert (status, errors) == (0, [])
+    assert ("The controller runs every 0.0005 s, as the scenario says" in out) == (block != "plant")
+    header = Path("made", f"{block}.h").read_text()
+    assert ("_SAMPLE_TIME 0.0005" in header) == (block != "plant")
+    assert "double torque_limit;" in header
+    assert "[N/m" in header or block == "plant"
+
+
+@pytest.mark.parametrize("block", ["controller", "servo"])
+def test_a_continuous_loop_of_other_kinds_is_refused_in_one_line(run, block, monkeypatch):
+    loop = digital_loop(sample_time=None, anti_windup="conditional")
+    monkeypatch.setattr(scenario_blocks, "servo_loop_of", lambda _: loop)
+    monkeypatch.setattr(scenario_blocks, "jerk_filter_of", lambda _: None)
+    status, out, errors = run(block, "--output", "made")
+    assert (status, out, len(errors)) == (2, "", 1)
+    assert "a continuous controller with anti-windup cannot leave" in errors[0]
+    assert not Path("made").exists()

@@ -219,14 +219,7 @@ def test_a_lead_makes_up_for_the_delay():
         (lambda: ServoLoop(Axis(1.0), PID_LAW, Feedforward(lead=1.0)), "lead = 1.0"),
         (
             lambda: inverse_feedforward(Axis(1.0, modes=FlexibleMode(9.0, 0.1, load_fraction=0.5))),
-            "not flat",
-        ),
-        (
-            lambda: inverse_feedforward(
-                Axis(1.0, modes=FlexibleMode(9.0, load_fraction=0.5)),
-                min_time_move(1.0, Limits(velocity=1.0, acceleration=1.0)),
-            ),
-            "expected|needs|snap",
+            "the inverse of this axis has poles",
         ),
     ],
 )

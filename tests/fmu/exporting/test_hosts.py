@@ -6,6 +6,7 @@ import subprocess
 import sys
 from functools import cache
 
+import every_block
 import foreign_host
 import numpy as np
 import pytest
@@ -128,6 +129,25 @@ def test_blocks_run_in_a_foreign_host(host, version, tmp_path):
         rows.append(model.output(state)[:3])
     close(found[3:6], np.array(rows).T)
     close(found[6:], [0.5 * 1.5 / J * time[1:] ** 2, 1.5 / J * time[1:]])
+
+
+@pytest.mark.parametrize(("host", "version"), RUNS)
+def test_a_digital_loop_that_sticks_runs_in_a_foreign_host(host, version, tmp_path):
+    make, dt, steps = every_block.digital_loop, 1e-3, 600
+    found = hosted(
+        host,
+        tmp_path,
+        ["loop.r", "loop.y_motor", "loop.y_load"],
+        models={"loop": str(fmu_of(make, version))},
+        connections=[],
+        dt=dt,
+        steps=steps,
+    )
+    sampled = make()
+    expected = sampled.loop.respond(sampled.trajectory, dt, duration=steps * dt)
+    assert len(expected.friction_events) > 0
+    rows = np.array([expected.command, expected.states[0], expected.load])
+    close(found, rows[:, 1:])
 
 
 def sampled_loop(commands):
