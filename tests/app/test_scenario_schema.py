@@ -5,7 +5,8 @@ import tomllib
 
 import jsonschema
 import pytest
-from good_scenario import GOOD, LINEAR, MODES, inline
+from good_scenario import GOOD, LINEAR, MODES
+from toml_values import inline
 
 from jounce.app.scenario import load_scenario
 from jounce.app.scenario_messages import EXAMPLES
