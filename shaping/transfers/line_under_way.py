@@ -69,7 +69,7 @@ class Line:
     Attributes
     ----------
     legs : tuple of Leg
-        The axes are at rest where one follows another.
+        The axes are at rest where one follows another. None before they first move.
     path : Trajectory
     planned : Limits or SCurveSettings, optional
         What the resultant was planned with, where it has bounds of its own.
@@ -83,17 +83,24 @@ class Line:
     def of(
         cls,
         motions: Sequence[Motion],
-        path: Trajectory,
+        path: Trajectory | None,
         resultant: Limits | Motion | None,
     ) -> Line:
-        """Return the line that motions go along, from the start of their path at 0."""
+        """Return the line that motions go along, from the start of their path at 0, if any."""
         starts = [float(axis.start_state[0]) for axis in motions]
         ends = [float(axis.end_state[0]) for axis in motions]
         own: Planned = resultant if isinstance(resultant, Limits) else None
         if isinstance(resultant, SCurveMove):
             own = resultant.settings
+        if path is None:
+            return cls.at_rest(motions[0].start_time, own)
         leg = Leg(path.start_time, tuple(starts), _towards(starts, ends))
         return cls((leg,), path, own)
+
+    @classmethod
+    def at_rest(cls, time: float, planned: Planned) -> Line:
+        """Return no leg yet, and what the resultant is to be planned with."""
+        return cls((), Trajectory([time], np.empty((0, 2)), end_state=[0.0, 0.0]), planned)
 
     def until(self, time: float) -> Line:
         """Return the line up to a time."""
@@ -161,11 +168,9 @@ def _anew(
     """Return the motions of axes at rest along a line of their own."""
     time, places = been[0].end_time, [float(axis.end_state[0]) for axis in been]
     direction = _towards(places, [end[0] for end in ends])
+    line = line or Line.at_rest(time, own)
     if not any(direction):
         return list(been), line
-    if line is None:
-        path = Trajectory([time], np.empty((0, 2)), end_state=[0.0, 0.0])
-        line = Line((), path, own)
     s = float(line.path.end_state[0])
     leg = Leg(time, tuple(x - u * s for x, u in zip(places, direction, strict=True)), direction)
     goal = leg.along(ends)

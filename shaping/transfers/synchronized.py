@@ -72,7 +72,7 @@ class Synchronized(tuple[Motion, ...]):
         ValueError
             For axes that are on no line, or do not move.
         """
-        if self.line is None:
+        if self.line is None or not self.line.legs:
             raise ValueError(
                 f"{self!r} has no resultant: expected axes that move, with mode='straight-line'"
             )
@@ -204,7 +204,7 @@ def tied_together(axes: list[Axis], mode: Mode, resultant: Limits | Motion | Non
     planned = tuple(axis.planned for axis in axes)
     if mode == "straight-line":
         motions, path = straight_line(axes, resultant)
-        line = None if path is None else Line.of(motions, path, resultant)
+        line = Line.of(motions, path, resultant)
         return Synchronized.of(motions, mode, planned, line)
     if mode == "start":
         return Synchronized.of([axis.motion for axis in axes], mode, planned)

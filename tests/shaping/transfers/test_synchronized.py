@@ -413,3 +413,28 @@ def test_while_they_stop_for_a_corner_the_old_line_is_theirs():
     assert_no_jump(on, 3)
     assert off_line(on, 0.0, on.duration) < 1e-9
     assert on.resultant(np.linspace(0.1, on.duration, 300)[:-1], 1).min() > 0.0
+
+
+@pytest.mark.parametrize(
+    "resultant",
+    [
+        Limits(velocity=1.0, acceleration=1.0, jerk=1.0),
+        s_curve_move(0.0, velocity=1.0, acceleration=1.0, acceleration_jerk=1.0),
+    ],
+)
+def test_axes_that_do_not_move_yet_remember_the_bounds_of_the_resultant(resultant):
+    """From rest over 5 with unit bounds: ramps of 2 s over 1 each, and 3 s between, by hand."""
+    still = synchronize([((1.0, 0.0, 0.0), 1.0), (0.0, 0.0)], "straight-line", resultant=resultant)
+    for waited in (still, still.modify(0.5), still.modify(0.5, [1.0, 0.0])):
+        with pytest.raises(ValueError, match="has no resultant"):
+            _ = waited.resultant
+        gone = waited.modify(2.0, [4.0, 4.0])
+        assert gone.resultant.peak("jerk") == pytest.approx(1.0, rel=1e-9)
+        assert [float(axis.end_state[0]) for axis in gone] == pytest.approx([4.0, 4.0], rel=1e-12)
+        assert gone.duration == pytest.approx(2.0 + 7.0, rel=1e-9)
+
+
+def test_new_bounds_of_a_resultant_that_does_not_move_hold_later():
+    still = synchronize([(1.0, 1.0), (0.0, 0.0)], "straight-line", resultant=Limits(9.0, 9.0, 9.0))
+    slower = still.modify(0.5, resultant=Limits(velocity=1.0, acceleration=1.0, jerk=1.0))
+    assert slower.modify(1.0, [4.0, 4.0]).duration == pytest.approx(1.0 + 7.0, rel=1e-9)
