@@ -540,6 +540,8 @@ static void end_row(const jounce_motion *motion, int order, double *row) {
     }
 }
 
+static double smaller_of(double a, double b) { return b < a ? b : a; }
+
 enum { MOST_NUMBERS = 2 * JOUNCE_MOST_PIECES + 1 + 4 * (JOUNCE_MOST_PIECES + 1) };
 
 /* Breaks, durations, states and end state of a motion, one after the other. */
@@ -550,7 +552,7 @@ static void lay_out(const Motion *self, double *memory) {
     for (i = 0; i < m; i++) {
         const jounce_piece *piece = &self->motion.pieces[i];
         time += piece->duration;
-        memory[i + 1] = time;
+        memory[i + 1] = i + 1 < m ? smaller_of(time, self->motion.duration) : self->motion.duration;
         durations[i] = piece->duration;
         row_of(piece, self->order, states + i * width);
     }
@@ -1264,8 +1266,6 @@ typedef struct {
     const double *durations, *lengths, *states, *ends, *times;
     double *out;
 } Lanes;
-
-static double smaller_of(double a, double b) { return b < a ? b : a; }
 
 /* What is no motion, its duration NaN, has no values. */
 static void put_nothing(const Lanes *l, Py_ssize_t i) {

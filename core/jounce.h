@@ -46,7 +46,7 @@ enum { JOUNCE_MOST_PIECES = 24 };
 /* A motion from time 0 on. Pieces have positive durations and follow one another. */
 typedef struct {
     int count;
-    double duration;     /* the sum of the durations */
+    double duration;     /* the sum of the durations, to rounding */
     double inside_after; /* the time after which every bound holds for good */
     jounce_state end;
     jounce_piece pieces[JOUNCE_MOST_PIECES];

@@ -60,8 +60,6 @@ static double ramp_distance(const Ramp *r) {
     return held_distance(r) + (held_velocity(r) + r->acceleration * r->fall / 3.0) * r->fall;
 }
 
-static double ramp_time(const Ramp *r) { return r->rise + r->hold + r->fall; }
-
 static int is_even(const Bounds *b) { return b->up == b->down && b->rising == b->falling; }
 
 static Ramp way_up(double velocity, const Bounds *b) {
@@ -184,29 +182,6 @@ static jounce_status glide(double distance, const jounce_limits *l, jounce_motio
     return m->duration > 0.0 && is_finite(m->duration) ? JOUNCE_OK : JOUNCE_RANGE;
 }
 
-jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion) {
-    jounce_state start = {0.0, 0.0, 0.0}, end = {distance, 0.0, 0.0};
-    jounce_problem p;
-    Bounds b;
-    Shape s;
-    jounce_clear(motion);
-    motion->end = end;
-    if (distance == 0.0) {
-        return JOUNCE_OK;
-    }
-    if (!is_finite(limits->a_high) && !is_finite(limits->j_high)) {
-        return glide(distance, limits, motion);
-    }
-    jounce_pose(&start, &end, limits, magnitude(distance), 0.0, &p);
-    b = forward_bounds(&p.whole);
-    s = shape_of(magnitude(p.whole.distance), &b);
-    add_pieces(&s, &b, magnitude(p.whole.distance), motion);
-    if (distance < 0.0) {
-        jounce_turn(motion, 0);
-    }
-    return jounce_finish(&p, &end, limits, motion);
-}
-
 static inline int moderate(double x) { return x == INFINITE || (x > 1e-60 && x < 1e60); }
 
 /* Which bounds a move meets where they are the same both ways. */
@@ -249,26 +224,55 @@ static inline int are_moderate(double distance, double velocity, double accelera
            moderate(velocity) && moderate(acceleration) && moderate(jerk);
 }
 
-/* Its duration alone; NaN where there is none. */
-double jounce_move_duration(double distance, const jounce_limits *l) {
-    jounce_task t = {distance,  0.0,       0.0,      0.0,        0.0,       l->v_low, l->v_high,
-                     l->a_low, l->a_high, -l->j_low, l->j_high, 0.0};
-    Bounds b = forward_bounds(&t);
-    jounce_motion motion;
-    Shape s;
-    distance = magnitude(distance);
-    if (are_moderate(distance, b.velocity, b.up, b.rising)) {
-        if (is_even(&b)) {
-            return even_duration(form_of(distance, b.velocity, b.up, b.rising), distance,
-                                 b.velocity, b.up, b.rising);
-        }
-        if (moderate(b.down) && moderate(b.falling)) {
-            s = shape_of(distance, &b);
-            return ramp_time(&s.up) + s.cruise + ramp_time(&s.down);
-        }
+/* The duration of a move that is the same seen from its end, by a formula; 0 where there is none. */
+static double by_formula(double distance, const jounce_limits *l) {
+    int ahead = distance >= 0.0;
+    double velocity = ahead ? l->v_high : -l->v_low, size = magnitude(distance);
+    if (l->a_high != -l->a_low || l->j_high != -l->j_low ||
+        !are_moderate(size, velocity, l->a_high, l->j_high)) {
+        return 0.0;
     }
-    return jounce_move(t.distance, l, &motion) == JOUNCE_OK ? motion.duration
-                                                            : INFINITE - INFINITE;
+    return even_duration(form_of(size, velocity, l->a_high, l->j_high), size, velocity, l->a_high,
+                         l->j_high);
+}
+
+jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion) {
+    jounce_state start = {0.0, 0.0, 0.0}, end = {distance, 0.0, 0.0};
+    double duration = by_formula(distance, limits);
+    jounce_status status;
+    jounce_problem p;
+    Bounds b;
+    Shape s;
+    jounce_clear(motion);
+    motion->end = end;
+    if (distance == 0.0) {
+        return JOUNCE_OK;
+    }
+    if (!is_finite(limits->a_high) && !is_finite(limits->j_high)) {
+        return glide(distance, limits, motion);
+    }
+    jounce_pose(&start, &end, limits, magnitude(distance), 0.0, &p);
+    b = forward_bounds(&p.whole);
+    s = shape_of(magnitude(p.whole.distance), &b);
+    add_pieces(&s, &b, magnitude(p.whole.distance), motion);
+    if (distance < 0.0) {
+        jounce_turn(motion, 0);
+    }
+    status = jounce_finish(&p, &end, limits, motion);
+    if (duration > 0.0) {
+        motion->duration = duration;
+    }
+    return status;
+}
+
+double jounce_move_duration(double distance, const jounce_limits *limits) {
+    double duration = by_formula(distance, limits);
+    jounce_motion motion;
+    if (duration > 0.0) {
+        return duration;
+    }
+    return jounce_move(distance, limits, &motion) == JOUNCE_OK ? motion.duration
+                                                               : INFINITE - INFINITE;
 }
 
 /* --- many moves -------------------------------------------------------------------------------- */

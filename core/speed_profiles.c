@@ -30,9 +30,17 @@ static double travelled(const jounce_task *t, double w) {
     return (w - t->v0) * (w + t->v0) * 0.5 / t->a_max + (t->v1 - w) * (t->v1 + w) * 0.5 / t->a_min;
 }
 
+/* The bound that leads from v0 to v1 at once; the other one takes no part in the way. */
+static double used_bound(const jounce_task *t) {
+    if (t->v0 == t->v1) {
+        return larger(t->a_max, -t->a_min);
+    }
+    return t->v0 < t->v1 ? t->a_max : -t->a_min;
+}
+
 void jounce_speed_family(const jounce_task *task, jounce_family *family) {
     double speed = larger(magnitude(task->v0), magnitude(task->v1));
-    double stop = speed * speed / smaller(task->a_max, -task->a_min);
+    double stop = speed * speed / used_bound(task);
     family->task = *task;
     family->rounding = task->resolution + ROUNDING * magnitude(task->distance);
     family->blur = family->rounding + ROUNDING * stop;

@@ -295,3 +295,13 @@ def test_a_batch_keeps_as_much_memory_as_documented(order, bytes_each):
     assert len(batch) == count
     assert kept <= bytes_each * count + 50_000
     assert most <= kept + 2_500_000
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
+def test_a_lane_lasts_as_long_as_its_batch_says_to_the_bit(order, even):
+    problems = random_moves((7, order, even), order, 500, decades=6.0, even=even)
+    batch = together(problems)
+    lanes = [batch[i] for i in range(len(problems))]
+    assert [lane.duration for lane in lanes] == batch.duration.tolist()
+    assert [float(lane.breaks[-1]) for lane in lanes] == batch.duration.tolist()
