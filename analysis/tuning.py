@@ -19,6 +19,7 @@ from .margins import LoopMargins, loop_margins
 
 _EXCESS = 1e-5  # by how much a peak may pass its bound between the points, relative
 _ROUNDS = 30
+_MOST_STARTS = 40
 _AROUND = np.linspace(-1.0, 1.0, 61)
 _SHAPES = ((0.35, 0.02), (0.82, 0.15), (0.2, 0.005), (1e-3, 1e-7))
 """Starts: kp and ki of a double integrator with unit crossover and kr."""
@@ -163,7 +164,7 @@ def _start(loop: OpenGains, omega: Real, around: tuple[Circle, ...]) -> Real:
             gains: Real = np.array([p * center, i * center**2, 1.0]) * center / weight
             tried.append((clearance(terms @ gains, around), gains))
     kept = sorted((found for found in tried if found[0] >= 0.0), key=lambda f: -f[1][1])
-    for _, gains in kept:
+    for _, gains in kept[:: 1 + len(kept) // _MOST_STARTS]:
         if _margins(loop, gains).stable:
             return gains
     nearest = max(tried, key=lambda found: found[0])[1]

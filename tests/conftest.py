@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-settings.register_profile("fast", derandomize=True, deadline=None, max_examples=25)
+settings.register_profile("fast", derandomize=True, deadline=None, max_examples=16)
 settings.register_profile("slow", deadline=None, max_examples=1000, print_blob=True)
 settings.load_profile("slow" if os.environ.get("JOUNCE_TIER") == "slow" else "fast")
 

@@ -167,7 +167,7 @@ def test_what_a_transfer_is_made_of_is_checked():
 
 @pytest.mark.parametrize("door", [LOOP.respond, FILTER.respond], ids=["loop", "filter"])
 def test_anything_else_is_refused_in_one_line(door):
-    with pytest.raises(TypeError, match=r"^trajectory = 3: expected a Trajectory"):
+    with pytest.raises(TypeError, match=r"^(trajectory|command) = 3: expected a Trajectory"):
         door(3, 0.1)
 
 
