@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .disturbed import total_of
 from .specification import OF_MOVES, Labels, Requirement
-
-if TYPE_CHECKING:
-    from .loop_survey import Survey
 
 _MARGINS = {
     "crossover": "crossover_hz",
@@ -79,7 +76,7 @@ class RequirementCheck:
 
 
 def requirement_checks(
-    survey: Survey, requirements: Sequence[Requirement]
+    survey: Any, requirements: Sequence[Requirement]
 ) -> tuple[RequirementCheck, ...]:
     """Return each requirement beside its figure.
 
@@ -91,7 +88,7 @@ def requirement_checks(
     return tuple(RequirementCheck(asked, _figure(survey, asked)) for asked in requirements)
 
 
-def _figure(survey: Survey, asked: Requirement) -> float:
+def _figure(survey: Any, asked: Requirement) -> float:
     name = asked.figure
     if name in OF_MOVES:
         return _worst(
@@ -144,22 +141,22 @@ def _no_such(asked: Requirement) -> ValueError:
     )
 
 
-def _rms(survey: Survey, which: int) -> float | None:
+def _rms(survey: Any, which: int) -> float | None:
     random = [source for source in survey.budget if source.kind == "random"]
     return total_of(random)[which] if random else None
 
 
-def _friction(survey: Survey) -> float | None:
+def _friction(survey: Any) -> float | None:
     known = [source.load for source in survey.budget if source.kind == "deterministic"]
     return known[0] if known else None
 
 
-def _disturbance(survey: Survey, part: str) -> float | None:
+def _disturbance(survey: Any, part: str) -> float | None:
     step = survey.disturbance
     return None if step is None else float(getattr(step, part))
 
 
-_OTHERS: Mapping[str, Callable[[Survey], float | None]] = {
+_OTHERS: Mapping[str, Callable[[Any], float | None]] = {
     "compliance_peak": lambda survey: survey.compliance.value,
     "step_overshoot": lambda survey: survey.step.overshoot_percent,
     "disturbance_peak": lambda survey: _disturbance(survey, "peak"),

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..shaping.pieces import FloatArray
 
-if TYPE_CHECKING:
-    from .axis import Axis
-
 _NOTHING = 1e-13  # of the largest coefficient, in the axis's own unit of time
 
 
-def transfer_polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of g(s), highest power first, the lag included.
+def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of g(s) of an Axis, highest power first, the lag included.
 
     The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
     give the coefficients to rounding; those that are rounding alone are 0.
@@ -33,7 +30,7 @@ def transfer_polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
     ) else denominator
 
 
-def _polynomials(axis: Axis) -> tuple[FloatArray, FloatArray]:
+def _polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
     m = axis.mechanics
     size = len(m.mass)
     mean = axis.J  # determinants in units of J

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, inf, pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..shaping.pieces import FloatArray
+from .axis import Axis
+from .controller import Controller
 from .disturbances import Wind
 from .linear_system import linear_system
+from .open_loop import OpenLoop
 from .sampled import exponential_less_one, zero_order_hold
-
-if TYPE_CHECKING:
-    from .servo_loop import ServoLoop
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
@@ -44,20 +44,19 @@ class LoopDeviations:
     load_average: float
 
 
-def loop_deviations(loop: ServoLoop, wind: Wind | None, encoder_noise: float) -> LoopDeviations:
+def digital_deviations(
+    axis: Axis, controller: Controller, wind: Wind | None, encoder_noise: float
+) -> LoopDeviations:
     """Return the deviations of a loop in wind, with white noise on each sample of the encoder."""
-    if loop.is_digital:
-        return _Sampled(loop).deviations(wind, encoder_noise)
-    return _continuous(loop, wind)
+    return _Sampled(axis, controller).deviations(wind, encoder_noise)
 
 
 class _Sampled:
     """A digital loop as one discrete system: states of axis and wind, past torques, controller."""
 
-    def __init__(self, loop: ServoLoop) -> None:
-        control = loop.controller_noun
+    def __init__(self, axis: Axis, control: Controller) -> None:
         self.dt, self.delay = float(control.sample_time or 0.0), control.delay
-        self.dynamics, self.sensor = loop.axis.dynamics, loop.axis.sensor
+        self.dynamics, self.sensor = axis.dynamics, axis.sensor
         k = control.sampled()
         self.k = tuple(np.asarray(getattr(k, name)) for name in "ABCD")
         d = self.dynamics
@@ -174,13 +173,13 @@ class _Torques:
         return np.eye(len(self.asked))[self.n + ago - 1], 0.0
 
 
-def _continuous(loop: ServoLoop, wind: Wind | None) -> LoopDeviations:
+def continuous_deviations(axis: Axis, loop: OpenLoop, wind: Wind | None) -> LoopDeviations:
     """Return the deviations of a continuous loop in wind."""
     from scipy.linalg import solve_continuous_lyapunov
 
     if wind is None:
         return LoopDeviations(0.0, 0.0, 0.0, 0.0)
-    o, d = loop.open_loop.without_idle_integral(), loop.axis.dynamics
+    o, d = loop.without_idle_integral(), axis.dynamics
     a, _ = o.closed()
     n = len(a)
     rows = np.array([_wide(row[None], n)[0] for row in (d.load, d.motor)] + [o.asked[:n]])

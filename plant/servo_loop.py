@@ -26,7 +26,7 @@ from .closed_systems import (
 )
 from .commands import Sum, as_command
 from .controller import Controller, as_controller
-from .deviations import LoopDeviations, loop_deviations
+from .deviations import LoopDeviations, continuous_deviations, digital_deviations
 from .disturbances import Wind, checked_disturbances
 from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
@@ -398,7 +398,10 @@ class ServoLoop(Frozen):
                 f"encoder_noise = {encoder_noise!r} in a continuous loop: noise comes with each "
                 "sample; give the controller a sample_time"
             )
-        return loop_deviations(self, wind, finite("encoder_noise", encoder_noise))
+        noise = finite("encoder_noise", encoder_noise)
+        if self.is_digital:
+            return digital_deviations(self.axis, self.controller_noun, wind, noise)
+        return continuous_deviations(self.axis, self.open_loop, wind)
 
     def _check_fed(self, command: Any) -> None:
         highest = self.feedforward_noun.order

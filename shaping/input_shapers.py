@@ -18,8 +18,7 @@ from .checks import finite, of_kind, one_of, positive, range_error
 from .frozen import Frozen
 from .pieces import FloatArray
 from .real_numbers import real_array, shown
-from .sums import weighted_sum
-from .trajectory import Motion, Trajectory, as_trajectory
+from .trajectory import Motion, Trajectory, as_trajectory, sum_of
 
 Kind = Literal["ZV", "ZVD", "ZVDD", "EI"]
 
@@ -75,7 +74,7 @@ class InputShaper(Frozen):
     def shape(self, trajectory: Motion) -> Trajectory:
         """Return the shaped command, an exact trajectory that keeps all bounds of the given one."""
         parts = [as_trajectory(trajectory).delay(time) for time in self.times.tolist()]
-        return weighted_sum(parts, self.amplitudes.tolist())
+        return sum_of(parts, self.amplitudes.tolist())
 
     def then(self, other: InputShaper) -> InputShaper:
         """Return both shapers in series, which null the modes of both."""

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from .pieces import FloatArray, evaluate
-from .trajectory import Trajectory
+from .piecewise_polynomial import PiecewisePolynomial
 
 _SAME = 1e-14  # breaks this near to one another, relative to all times, are one
 
 
-def weighted_sum(parts: Sequence[Trajectory], weights: Sequence[float]) -> Trajectory:
-    """Return Σ weights[i]·parts[i], as functions of time.
+def weighted_sum(
+    parts: Sequence[PiecewisePolynomial], weights: Sequence[float]
+) -> tuple[FloatArray, FloatArray, FloatArray, int]:
+    """Return breaks, states, end state and coasting of Σ weights[i]·parts[i], functions of time.
 
     Where one part is before its start or after its end it coasts.
     """
@@ -25,11 +27,10 @@ def weighted_sum(parts: Sequence[Trajectory], weights: Sequence[float]) -> Traje
     for part, weight in zip(parts, weights, strict=True):
         states[:, : part.order + 1] += weight * _states_at(part, times, slack)
         coasting = min(coasting, part.coasting)
-    end = states[-1].copy()
-    return Trajectory(times, states[:-1], end_state=end, coasting=coasting)
+    return times, states[:-1], states[-1].copy(), coasting
 
 
-def _states_at(part: Trajectory, times: FloatArray, slack: float) -> FloatArray:
+def _states_at(part: PiecewisePolynomial, times: FloatArray, slack: float) -> FloatArray:
     """Return position and derivatives just after times, a row each."""
     before, after = part.start_state.copy(), part.end_state.copy()
     before[part.coasting + 1 :] = after[part.coasting + 1 :] = 0.0

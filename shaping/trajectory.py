@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from .limits import Limits
 from .pieces import FloatArray, advance, evaluate
 from .piecewise_polynomial import PiecewisePolynomial
 from .real_numbers import real_number
+from .sums import weighted_sum
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -213,11 +214,9 @@ class Trajectory(PiecewisePolynomial):
 
     def __add__(self, other: Motion) -> Trajectory:
         """Return the sum of two motions, as functions of time; each coasts outside its own."""
-        from .sums import weighted_sum
-
         if not isinstance(other, Motion):
             return NotImplemented
-        return weighted_sum((self, as_trajectory(other)), (1.0, 1.0))
+        return sum_of((self, as_trajectory(other)), (1.0, 1.0))
 
     def plot(
         self,
@@ -339,6 +338,12 @@ def within_range(plan: Callable[[], Trajectory]) -> Trajectory:
         return move
 
     return in_range(checked)
+
+
+def sum_of(parts: Sequence[Trajectory], weights: Sequence[float]) -> Trajectory:
+    """Return Σ weights[i]·parts[i], as functions of time; each coasts outside its own."""
+    breaks, states, end, coasting = weighted_sum(parts, weights)
+    return Trajectory(breaks, states, end_state=end, coasting=coasting)
 
 
 def point(position: float, order: int) -> Trajectory:
