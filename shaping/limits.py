@@ -138,20 +138,32 @@ class Limits(Frozen):
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """Shape of the problems whose limits these are; () for limits of one problem."""
-        return np.broadcast_shapes(*self._shapes)
+        shapes = self._shapes
+        return np.broadcast_shapes(*shapes) if shapes else ()
 
     @cached_property
     def flat(self) -> tuple[float, ...]:
         """Lower and upper bound of each derivative in turn, velocity first."""
         return tuple(side for pair in zip(self.lower, self.upper, strict=True) for side in pair)
 
-    @property
+    @cached_property
     def symmetric(self) -> bool:
         """Whether every bound is the same in both directions."""
         if "lower" not in self.__dict__:
             return True
         pairs = zip(self.lower, self.upper, strict=True)
         return all(bool(np.all(np.negative(low) == high)) for low, high in pairs)
+
+    @cached_property
+    def both_sides(self) -> bool:
+        """Whether the highest derivative is bounded on both sides, in all problems."""
+        return bool(np.all(self._both_sides))
+
+    @property
+    def _both_sides(self) -> Any:
+        """Where the highest derivative is bounded on both sides."""
+        right = np.isfinite(self.upper[-1])
+        return right if self.symmetric else right & np.isfinite(self.lower[-1])
 
     def bounds(self, derivative: int | str) -> tuple[float, float]:
         """Return (lower, upper) of a derivative given by number ≥ 1 or name."""
@@ -228,13 +240,8 @@ def check_both_sides(limits: Limits) -> None:
 
     It is the input, and a motion that starts and ends needs both.
     """
-    if limits.order == 1:
-        return
-    right = np.isfinite(limits.upper[-1])
-    if not limits.symmetric:
-        right = right & np.isfinite(limits.lower[-1])
-    if not np.all(right):
-        raise one_sided(limits, right, "both bounds of the highest derivative")
+    if limits.order > 1 and not limits.both_sides:
+        raise one_sided(limits, limits._both_sides, "both bounds of the highest derivative")
 
 
 def one_sided(limits: Limits, right: Any, expected: str) -> ValueError:

@@ -333,3 +333,26 @@ def test_a_highest_bound_on_one_side_is_refused_in_the_same_words(limits):
     for call in calls:
         with pytest.raises(ValueError, match=told):
             call()
+
+
+@pytest.mark.parametrize(
+    ("limits", "bounded"),
+    [
+        (Limits(1.0, 2.0, 3.0), True),
+        (Limits(1.0, (-2.0, 3.0)), True),
+        (Limits(velocity=1.0, jerk=(-inf, 3.0)), False),
+        (Limits(velocity=1.0, jerk=np.array([1.0, inf])), False),
+        (Limits(jerk=np.array([[-1.0, 2.0], [-1.0, 3.0]])), True),
+        (Limits(jerk=np.array([[-1.0, 2.0], [-inf, 3.0]])), False),
+    ],
+)
+def test_they_remember_what_checks_ask(limits, bounded, monkeypatch):
+    asked = (limits.shape, limits.symmetric, limits.both_sides)
+    assert asked[2] == bounded
+
+    def refuse(*_):
+        raise AssertionError("worked out again")
+
+    for name in ("all", "isfinite", "negative", "broadcast_shapes"):
+        monkeypatch.setattr(np, name, refuse)
+    assert (limits.shape, limits.symmetric, limits.both_sides) == asked
