@@ -244,9 +244,11 @@ class PiecewisePolynomial(Frozen):
         outside[:, self.coasting + 1 :] = 0.0
         ends = evaluate(self.states.T, self.durations, range(self.order + 1)).T
         jumps = np.abs(np.vstack([outside[:1], ends]) - np.vstack([self.states, outside[1:]]))
-        for k in range(self.order):
+        # The peak is no less than the value at any break, which mostly tells without it.
+        seen = np.abs(np.vstack([self.states, ends])).max(axis=0, initial=0.0)
+        for k in np.flatnonzero((jumps.max(axis=0) > 1e-9 * seen)[:-1]).tolist():
             if jumps[:, k].max() > 1e-9 * self.peak(k):
-                return k
+                return int(k)
         return self.order
 
     def __repr__(self) -> str:

@@ -695,3 +695,24 @@ def test_a_copy_is_the_same_function_and_frozen_too(again):
     np.testing.assert_array_equal(twin(times), values)
     for name in ("breaks", "states", "durations", "end_state"):
         assert not getattr(twin, name).flags.writeable
+
+
+@given(seed=SEEDS, order=ORDERS, coasting=st.booleans())
+def test_the_lowest_jump_is_told_by_the_peaks(seed, order, coasting):
+    """Values just before and after each break, beside exact peaks, of pieces that partly join."""
+    rng = np.random.default_rng(seed)
+    joined = int(rng.integers(0, order + 1))
+    breaks = np.cumsum(rng.uniform(0.5, 2.0, 4))
+    states = rng.normal(size=(3, order + 1))
+    for i in (1, 2):
+        before = Trajectory(breaks[i - 1 : i + 1], states[i - 1 : i])
+        states[i, :joined] = before.end_state[:joined]
+    motion = Trajectory(breaks, states, coasting=0 if coasting or order == 1 else 1)
+    sides = [motion.derivative(k) if 0 < k < order else motion for k in range(order)]
+    expected = order
+    for k in reversed(range(order)):
+        gaps = [motion(np.nextafter(t, -inf), k) - motion(t, k) for t in breaks]
+        gaps[-1] = float(motion.end_state[k]) - motion(breaks[-1] + 1e-300, k)
+        if np.abs(gaps).max() > 1e-9 * sides[k].peak(0):
+            expected = k
+    assert motion.lowest_jump() == expected
