@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from ... import core
 from ..checks import finite
 from ..limits import Limits
@@ -73,11 +76,8 @@ def min_time_transfer(
         from ..lasting import transfer_lasting
 
         return transfer_lasting(Problem(start, end, limits), duration, round_to)
-    try:
-        found = core.transfer(start, end, limits.flat, Transfer, limits)  # type: ignore[arg-type]
-    except (AttributeError, TypeError, ValueError):  # told, or converted, below
-        found = core.UNREACHABLE
-    return Problem(start, end, limits).fastest() if isinstance(found, int) else found
+    found = _at_once(core.transfer, start, end, limits)
+    return Problem(start, end, limits).fastest() if found is None else found
 
 
 def velocity_transfer(
@@ -122,6 +122,10 @@ def velocity_transfer(
     >>> spin_up.duration, float(spin_up.end_state[0])
     (3.0, 3.0)
     """
+    if not relative and type(acceleration) is float and not acceleration:
+        found = _at_once(core.velocity_transfer, start, (0.0, velocity), limits)
+        if found is not None:
+            return found
     check_order(limits)
     position, v0, a0 = checked_state("start", start, limits)
     velocity = finite("end velocity", velocity) + (v0 if relative else 0.0)
@@ -133,3 +137,14 @@ def velocity_transfer(
         )
     end = position, velocity, acceleration
     return Problem((position, v0, a0), end, limits).change_of_velocity()
+
+
+def _at_once(
+    plan: Callable[..., Transfer | int], start: Any, end: Any, limits: Any
+) -> Transfer | None:
+    """Return what the core plans of plain numbers; None for others, which are told or converted."""
+    try:
+        found = plan(start, end, limits.flat, Transfer, limits)
+    except (AttributeError, TypeError, ValueError):
+        return None
+    return None if isinstance(found, int) else found

@@ -78,3 +78,31 @@ def test_from_rest_it_is_the_s_curve(gain, duration, peak, hold):
     held = change.durations[change.states[:, 3] == 0.0].sum()
     assert (change.duration, change.states[1, 2], held) == (duration, peak, hold)
     assert change.end_state[0] == pytest.approx(0.5 * gain * duration, rel=1e-15)
+
+
+@given(problem=transfer_problems())
+def test_plain_numbers_go_at_once_where_others_go(problem):
+    """A change that is relative, or to numbers of another kind, is converted and checked first."""
+    position, velocity, *rest = problem.start
+    low, high = problem.limits.bounds(1)
+    aim = min(max(problem.end[1], low), high)
+    try:
+        change = velocity_transfer(problem.start, aim, problem.limits)
+    except (InfeasibleError, ValueError) as error:
+        with pytest.raises(type(error)):
+            velocity_transfer(problem.start, np.float32(0.0) + np.float64(aim), problem.limits)
+        return
+    start = np.array([position, velocity, *rest])
+    slow = velocity_transfer(start, np.array(aim), problem.limits, acceleration=0)
+    np.testing.assert_array_equal(change.states, slow.states)
+    np.testing.assert_array_equal(change.end_state, slow.end_state)
+    assert change.inside_after == slow.inside_after
+
+
+def test_plain_numbers_are_not_checked_twice(monkeypatch):
+    def refuse(*_):
+        raise AssertionError("checked again")
+
+    monkeypatch.setattr("jounce.shaping.transfers.transfer.Problem", refuse)
+    change = velocity_transfer((0.0, 1.0, 0.0), 3.0, Limits(acceleration=1.0, jerk=1.0))
+    assert change.duration == pytest.approx(3.0, rel=1e-14)
