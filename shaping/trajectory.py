@@ -92,18 +92,21 @@ class Trajectory(PiecewisePolynomial):
         """Return the same motion `distance` further along."""
         offset = np.zeros(self.order + 1)
         offset[0] = finite("distance", distance)
-        return self._with(self.breaks, self.states + offset, self.end_state + offset)
+        return self._with(self.states + offset, self.end_state + offset)
 
     def delay(self, time: float) -> Trajectory:
         """Return the same motion, `time` later."""
-        return self._with(self.breaks + finite("time", time), self.states, self.end_state)
+        breaks = _held(self.breaks + finite("time", time))
+        return Trajectory.from_arrays(
+            breaks, self.states, self.durations, self.end_state, self.coasting
+        )
 
     def scale(self, factor: float) -> Trajectory:
         """Return the motion with position and all derivatives multiplied by `factor`."""
         factor = finite("factor", factor)
         with np.errstate(over="ignore"):  # which is refused below
             states, end_state = self.states * factor, self.end_state * factor
-        return self._with(self.breaks, states, end_state)
+        return self._with(states, end_state)
 
     def mirror(self) -> Trajectory:
         """Return the motion reflected in position, x → −x."""
@@ -255,11 +258,9 @@ class Trajectory(PiecewisePolynomial):
         """
         return draw(self, limits=limits, unit=unit, time_unit=time_unit, scale=scale)
 
-    def _with(self, breaks: FloatArray, states: FloatArray, end_state: FloatArray) -> Trajectory:
-        for values in (breaks, states, end_state):
-            if not np.isfinite(values).all():
-                raise ValueError("the result leaves the range of a double")
-        return Trajectory.from_arrays(breaks, states, self.durations, end_state, self.coasting)
+    def _with(self, states: FloatArray, end_state: FloatArray) -> Trajectory:
+        states, end_state = _held(states), _held(end_state)
+        return Trajectory.from_arrays(self.breaks, states, self.durations, end_state, self.coasting)
 
 
 class Planned(Frozen):
@@ -376,3 +377,10 @@ def _check_joint(first: Trajectory, second: Trajectory) -> None:
                 f"{derivative_name(k)} would jump from {end:g} to {start:g} at the joint: let "
                 f"the second motion start at {end:g}"
             )
+
+
+def _held(values: FloatArray) -> FloatArray:
+    """Return values; ValueError where one leaves the range of a double."""
+    if not np.isfinite(values).all():
+        raise ValueError("the result leaves the range of a double")
+    return values

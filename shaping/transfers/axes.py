@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ..checks import finite, state_numbers
 from ..limits import Limits
 from ..moves import min_time_move
+from ..pieces import FloatArray
 from ..real_numbers import shown
 from ..trajectory import Motion, Trajectory
 from .infeasible import InfeasibleError
@@ -37,10 +39,6 @@ class Axis:
     motion : Trajectory or Transfer
     limits : Limits, optional
         Those that it was planned with, where they are known.
-    order : int
-        Highest derivative that has to stay bounded: that of the limits, or the lowest that jumps.
-    rests : bool
-        Whether it starts and ends at rest.
     planned : Limits or SCurveSettings, optional
         What it can be planned with anew.
     slows : bool
@@ -50,10 +48,35 @@ class Axis:
     number: int
     motion: Motion
     limits: Limits | None
-    order: int
-    rests: bool
     planned: Planned = None
     slows: bool = False
+
+    @cached_property
+    def order(self) -> int:
+        """Highest derivative that has to stay bounded: the motion's, or the lowest that jumps.
+
+        A motion within known limits jumps in none below its own, nor does a smooth S-curve.
+        """
+        settings = self.planned
+        smooth = isinstance(settings, SCurveSettings) and settings.rates.jerk_percent is None
+        known = smooth or self.limits is not None
+        return self.motion.order if known else self.motion.lowest_jump()
+
+    @property
+    def waits(self) -> bool:
+        """Whether it starts at rest."""
+        return self._is_rest(self.motion.start_state)
+
+    @property
+    def rests(self) -> bool:
+        """Whether it starts and ends at rest."""
+        return self.waits and self._is_rest(self.motion.end_state)
+
+    def _is_rest(self, state: FloatArray) -> bool:
+        """Whether a state at an end is one of rest: what jumps there does not count."""
+        if not state[1 : self.motion.order].any():
+            return True  # which tells without a look for jumps
+        return not state[1 : max(self.order, 1 + min(self.motion.coasting, 1))].any()
 
     @property
     def span(self) -> float:
@@ -108,12 +131,8 @@ def as_axis(number: int, given: Given, resultant: Limits | Motion | None = None)
 def axis_of(number: int, given: Motion, limits: Limits | None) -> Axis:
     """Return an axis from its motion and, where they are known, its limits."""
     settings = given.settings if isinstance(given, SCurveMove) else None
-    smooth = settings is not None and settings.rates.jerk_percent is None
-    order = given.lowest_jump() if limits is None and not smooth else given.order
-    moving = slice(1, max(order, 1 + min(given.coasting, 1)))
-    rests = not (given.start_state[moving].any() or given.end_state[moving].any())
     motion = given.delay(-given.start_time) if given.start_time else given
-    return Axis(number, motion, limits, order, rests, limits if settings is None else settings)
+    return Axis(number, motion, limits, limits if settings is None else settings)
 
 
 def planned_motion(name: str, start: State, end: State, limits: Limits) -> Motion:

@@ -20,13 +20,13 @@ def ending_together(axes: list[Axis]) -> list[Motion]:
     """Return the motions, the faster ones after a wait."""
     latest = max(axis.motion.duration for axis in axes)
     for axis in axes:
-        waits = axis.motion.duration < latest * (1.0 - _ROUNDING)
-        if waits and any([*axis.motion.start_state[1 : axis.order], axis.motion.coasting_in()[1]]):
+        if axis.motion.duration < latest * (1.0 - _ROUNDING) and not axis.waits:
             raise ValueError(
                 f"axis {axis.number} moves at its start and cannot wait: use mode='both', or start "
                 "it at rest"
             )
-    return [axis.motion.delay(latest - axis.motion.duration) for axis in axes]
+    waits = [latest - axis.motion.duration for axis in axes]
+    return [a.motion.delay(wait) if wait else a.motion for a, wait in zip(axes, waits, strict=True)]
 
 
 def both_together(axes: list[Axis]) -> list[Motion]:
