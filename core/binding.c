@@ -927,14 +927,28 @@ static PyObject *all_lasting(PyObject *module, PyObject *type, const Axes *axes,
     return result;
 }
 
+/* Whether an axis moves, and is where it is to go: any time but rounding takes it away. */
+static int passes_its_end(const Axes *axes) {
+    int i;
+    for (i = 0; i < axes->count; i++) {
+        const jounce_motion *motion = motion_of(axes, i);
+        if (motion->count == 0 && (motion->end.v != 0.0 || motion->end.a != 0.0)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* Most axes can take the slowest one's time; which durations are possible is asked where not. */
 static PyObject *last_together(PyObject *module, PyObject *type, const Axes *axes) {
-    PyObject *result = all_lasting(module, type, axes, longest(axes));
     double duration;
-    if (result == NULL || !PyLong_Check(result)) {
-        return result;
+    if (!passes_its_end(axes)) {
+        PyObject *result = all_lasting(module, type, axes, longest(axes));
+        if (result == NULL || !PyLong_Check(result)) {
+            return result;
+        }
+        Py_DECREF(result);
     }
-    Py_DECREF(result);
     duration = common_duration(axes);
     return is_number(duration) ? all_lasting(module, type, axes, duration)
                                : PyLong_FromLong((long)JOUNCE_NO_DURATION);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 
 from ... import core
 from ..checks import one_of
@@ -13,6 +14,7 @@ from .axes import Given, as_axis
 from .modes import MODES, Mode
 from .problem import Transfer
 from .synchronized import Synchronized, tied_together
+from .transfer import min_time_transfer
 
 
 def synchronize(
@@ -86,13 +88,12 @@ def synchronize(
     (1.2, 1.6)
     """
     one_of("mode", mode, MODES)
-    if type(transfers) is not list:
-        if isinstance(transfers, Motion) or not isinstance(transfers, Iterable):
-            told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
-            raise TypeError(told)
-        transfers = list(transfers)
+    if isinstance(transfers, Motion) or not isinstance(transfers, Iterable):
+        told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
+        raise TypeError(told)
     if resultant is not None:
         _check_resultant(resultant, mode)
+    transfers = [_planned(given) for given in transfers]
     if mode == "both":
         together = _in_the_core(transfers)
         if together is not None:
@@ -111,6 +112,14 @@ def _check_resultant(resultant: object, mode: Mode) -> None:
         )
     if not isinstance(resultant, Motion):
         of_one(resultant)
+
+
+def _planned(given: Given) -> Given:
+    """Return the transfer between two states within limits; anything else as it is given."""
+    if type(given) in (tuple, list) and len(given) == 3:
+        with suppress(TypeError, ValueError):  # a move, or an error to be told with its number
+            return min_time_transfer(*given)
+    return given
 
 
 def _in_the_core(transfers: list[Given]) -> Synchronized | None:

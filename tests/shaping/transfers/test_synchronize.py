@@ -560,3 +560,50 @@ def test_axes_that_end_together_but_for_rounding_need_not_wait():
     unit, scaled = Limits(1.0, 1.0), Limits(f, f)
     pair = synchronize([((0.0, v), 3.0, unit), ((0.0, v * f), 3 * f, scaled)], "end")
     assert pair[0].end_time == pytest.approx(pair[1].end_time, rel=1e-14)
+
+
+# The short way
+
+
+@pytest.mark.parametrize("kind", [tuple, list])
+def test_states_and_limits_go_the_way_that_planned_transfers_go(kind, monkeypatch):
+    def refuse(*_):
+        raise AssertionError("the way of motions of other kinds")
+
+    monkeypatch.setattr("jounce.shaping.transfers.synchronize.as_axis", refuse)
+    given = [((0.0, 0.1 * k, 0.0), 0.3 * k + 1.0, SMOOTH) for k in range(7)]
+    planned = synchronize([min_time_transfer(*each) for each in given])
+    axes = synchronize([kind(each) for each in given])
+    assert axes.planned == (SMOOTH,) * 7
+    assert len({round(axis.duration, 12) for axis in axes}) == 1
+    for axis, same in zip(axes, planned, strict=True):
+        np.testing.assert_array_equal(axis.states, same.states)
+
+
+def test_axes_of_unlike_kinds_are_planned_once(monkeypatch):
+    planned = []
+
+    def count(*given):
+        planned.append(given)
+        return min_time_transfer(*given)
+
+    monkeypatch.setattr("jounce.shaping.transfers.synchronize.min_time_transfer", count)
+    axes = synchronize([(0.0, 1.0, SMOOTH), min_time_move(3.0, SMOOTH)])
+    assert len(planned) == 1
+    assert axes[0].duration == pytest.approx(min_time_move(3.0, SMOOTH).duration, rel=1e-12)
+
+
+def test_the_slowest_axis_of_those_that_end_together_stays_as_it_is():
+    slow, fast = min_time_transfer(0.0, 9.0, SMOOTH), min_time_transfer(0.0, 1.0, SMOOTH)
+    axes = synchronize([fast, slow], "end")
+    assert axes[1] is slow
+    assert axes[0].start_time == pytest.approx(slow.duration - fast.duration, rel=1e-14)
+
+
+def test_an_axis_that_passes_its_end_takes_no_time_or_turns_back():
+    """Beside one that takes 1e-17 s; `min_time_transfer` with a duration agrees."""
+    passing = (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), SMOOTH
+    short = (0.0, 0.5, 0.3), (0.0, 0.5, 0.3 - 1e-17 * 3.0), SMOOTH
+    for axes in ([passing, short], [min_time_transfer(*passing), min_time_transfer(*short)]):
+        together = synchronize(axes)
+        assert {axis.duration == 0.0 or axis.duration > 0.1 for axis in together} == {True}
