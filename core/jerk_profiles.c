@@ -517,6 +517,31 @@ static inline double quadratic_step(double step, double error, double slope, dou
     return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
 }
 
+/* Take what the distance errs from the time at a bound so small that the velocity does not feel it:
+ * the parameter is coarser than such a time. */
+static jounce_profile with_time_mended(const jounce_family *f, jounce_profile profile) {
+    double error = travel(f, &profile).distance - f->task.distance;
+    Ends e = ends_of_fall(f, &profile);
+    double time = profile.fall * f->fall_time;
+    int rear = e.fastest[1] < e.fastest[0];
+    double hold = -error / (rear ? e.v : e.v + profile.p * time);
+    double dwell = -error / (rear ? e.w - profile.q * time : e.w);
+    double gained = magnitude(profile.p * hold), lost = magnitude(profile.q * dwell);
+    int is_hold = profile.hold > 0.0 && !(profile.dwell > 0.0 && lost < gained);
+    double change = is_hold ? hold : dwell, most = is_hold ? profile.hold : profile.dwell;
+    if (!((is_hold ? gained : lost) <= 4.0 * EPSILON * larger(e.fastest[0], e.fastest[1])) ||
+        most <= magnitude(change)) {
+        return profile;
+    }
+    if (is_hold) {
+        profile.hold += change;
+    } else {
+        profile.dwell += change;
+    }
+    profile.duration += change;
+    return profile;
+}
+
 /* The profile between two points at which the distance errs either way: Newton's iteration, which
  * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
  * bounds are held the distance is a quadratic of the parameter. */
@@ -634,7 +659,7 @@ static void keep_up_to(const jounce_family *f, const Arc *arc, const Point *befo
         keep_nearly(at, found);
     }
     if (before->error * at->error < 0.0) {
-        jounce_profile profile = between(f, arc, before, at);
+        jounce_profile profile = with_time_mended(f, between(f, arc, before, at));
         keep(&profile, found);
     }
 }
