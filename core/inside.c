@@ -10,8 +10,9 @@
  *    slow down. Where the acceleration leads further than the bound whatever is done, it goes to
  *    the velocity that it leads to.
  * 4. Where the end is too near for that, brake harder: as hard as the bounds allow as far as the
- *    bound of the velocity, unless that turns the axis round where levelling off at a lower
- *    velocity does not.
+ *    bound of the velocity, or to level off at a lower velocity; the way that arrives first without
+ *    turning the axis round. Where that cannot be avoided the first of all three arrives: full
+ *    deceleration is no help where it takes long to get rid of.
  *
  * What remains is an ordinary problem from a state inside the bounds.
  */
@@ -141,32 +142,6 @@ static void brake_hard(jounce_task *t, double *x, jounce_motion *motion) {
     t->v0 = bound;
 }
 
-/* Whether the fastest plan of what is left goes backwards on its way to an end that does not. */
-static int turns_round(const jounce_task *t, double x) {
-    double slack = 1e-12 * magnitude(t->v_max);
-    jounce_motion plan;
-    int i;
-    if (t->v1 < 0.0) {
-        return 0;
-    }
-    jounce_clear(&plan);
-    if (!jounce_fastest(t, x, x + t->distance, &plan)) {
-        return 1;
-    }
-    for (i = 0; i < plan.count; i++) {
-        const jounce_piece *p = &plan.pieces[i];
-        double h = p->duration, at = p->j != 0.0 ? -p->a / p->j : 0.0;
-        double v = p->v + (p->a + 0.5 * p->j * h) * h;
-        if (0.0 < at && at < h) {
-            v = smaller(v, p->v + 0.5 * p->a * at);
-        }
-        if (v < -slack) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 static void level_off(jounce_task *t, double velocity, double *x, jounce_motion *motion) {
     jounce_task to = *t;
     jounce_change change;
@@ -180,32 +155,78 @@ static void level_off(jounce_task *t, double velocity, double *x, jounce_motion 
     t->a0 = 0.0;
 }
 
+static void brake(jounce_task *t, double velocity, int hard, double *x, jounce_motion *motion) {
+    if (hard) {
+        brake_hard(t, x, motion);
+    } else {
+        level_off(t, velocity, x, motion);
+    }
+}
+
+/* Whether a plan goes backwards. */
+static int goes_back(const jounce_motion *plan, double slack) {
+    int i;
+    for (i = 0; i < plan->count; i++) {
+        const jounce_piece *p = &plan->pieces[i];
+        double h = p->duration, at = p->j != 0.0 ? -p->a / p->j : 0.0;
+        double v = p->v + (p->a + 0.5 * p->j * h) * h;
+        if (0.0 < at && at < h) {
+            v = smaller(v, p->v + 0.5 * p->a * at);
+        }
+        if (v < -slack) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* How a way to brake turns out: whether the axis turns round on its way to an end that does not, and
+ * how long all takes. */
+typedef struct {
+    int turns;
+    double duration;
+} Outcome;
+
+static Outcome outcome_of(const jounce_task *task, double velocity, int hard, double x) {
+    Outcome outcome = {1, INFINITE};
+    jounce_task t = *task;
+    jounce_motion plan;
+    jounce_clear(&plan);
+    brake(&t, velocity, hard, &x, &plan);
+    if (jounce_fastest(&t, x, x + t.distance, &plan)) {
+        outcome.turns = t.v1 >= 0.0 && goes_back(&plan, 1e-12 * magnitude(t.v_max));
+        outcome.duration = plan.duration;
+    }
+    return outcome;
+}
+
+static int is_better(Outcome a, Outcome b) {
+    return a.turns < b.turns || (a.turns == b.turns && a.duration < b.duration);
+}
+
 /* From above v_max. */
 static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
     double top = t->v_max, velocity;
+    int hard = 0;
     if (is_finite(t->rise) && t->a0 < 0.0) {
         top = smaller(top, larger(t->v0 - 0.5 * t->a0 * t->a0 / t->rise, t->v_min));
     }
     velocity = level(t, top);
     if (velocity != top && is_finite(t->rise)) {
-        jounce_task hard = *t;
-        double reached = *x;
-        int count = motion->count;
-        double duration = motion->duration;
-        brake_hard(&hard, &reached, motion);
-        if (velocity < 0.0 || !turns_round(&hard, reached)) {
-            *t = hard;
-            *x = reached;
-            return;
+        Outcome lower = outcome_of(t, velocity, 0, *x), at_top = outcome_of(t, top, 0, *x);
+        if (is_better(at_top, lower)) {
+            velocity = top;
+            lower = at_top;
         }
-        motion->count = count;
-        motion->duration = duration;
+        hard = is_better(outcome_of(t, velocity, 1, *x), lower);
     }
-    level_off(t, velocity, x, motion);
+    brake(t, velocity, hard, x, motion);
 }
 
-static int rises_over(const jounce_task *t, double v, double a, double slack) {
-    return is_finite(t->fall) && a > 0.0 && v + 0.5 * a * a / t->fall > t->v_max + slack;
+static int rises_over(const jounce_task *t) {
+    double gained = 0.5 * t->a0 * t->a0 / t->fall;
+    double slack = ROUNDING * (magnitude(t->v0) + gained);
+    return t->a0 > 0.0 && t->v0 + gained > t->v_max + slack;
 }
 
 double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion *motion) {
@@ -219,14 +240,10 @@ double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion 
 
 double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
     jounce_task other;
-    double slack;
     x = jounce_bring_acceleration_inside(t, x, motion);
     if (is_finite(t->rise)) {
-        slack = ROUNDING *
-                (magnitude(t->v0) + 0.5 * t->a0 * t->a0 / smaller(t->rise, t->fall));
         other = jounce_mirrored(t);
-        if (rises_over(t, t->v0, t->a0, slack) ||
-            rises_over(&other, other.v0, other.a0, slack)) {
+        if (rises_over(t) || rises_over(&other)) {
             turn_acceleration(t, 0.0, &x, motion);
         }
     }

@@ -27,10 +27,12 @@
 /* The parameter of an arc: q, p, q (p at its bound), p (q at its bound), the hold's duration. */
 enum { FREE_Q, FREE_P, HOLD, DWELL, BOTH };
 
-/* One structure of a family, over a range of its parameter in which the duration grows. */
+/* One structure of a family, over a range of its parameter in which the duration grows. An
+ * acceleration is counted from `origin`, zero or the one at that end of the motion, of which a slow
+ * jerk may change but its last digits. */
 typedef struct {
     int kind;
-    double first, last;
+    double origin, first, last;
 } Arc;
 
 enum { MOST_ARCS = 12, MOST_STEPS = 2200 }; /* steps: of a root 300 decades below its bracket */
@@ -44,193 +46,299 @@ typedef struct {
 
 /* --- what depends on the task alone ------------------------------------------------------------ */
 
-static double slack_of(const jounce_family *f, double bound) {
-    return ROUNDING * magnitude(bound) + f->noise;
+/* The peak between which and velocity v, acceleration a, v_max is just reached. */
+static jounce_peak to_cruise(const jounce_family *f, double v, double a) {
+    double v_max = f->task.v_max, left = v_max - v, square;
+    double slack = ROUNDING * (magnitude(v_max) + magnitude(v));
+    jounce_peak peak = {INFINITE, INFINITE};
+    if (!is_finite(v_max)) {
+        return peak;
+    }
+    square = a * a * (a > 0.0 ? -f->half_fall : f->half_rise); /* beyond a, or zero */
+    if (left + square < -slack - ROUNDING * magnitude(square)) {
+        peak.size = peak.beyond = -INFINITE;
+        return peak;
+    }
+    peak.size = square_root(larger(left + a * a * f->half_rise, 0.0) * f->per_kappa);
+    peak.beyond = peak.size - a;
+    if (a > 0.0) {
+        peak.beyond = larger(left + square, 0.0) * f->per_kappa / (peak.size + a);
+        peak.size = a + peak.beyond;
+    }
+    return peak;
 }
 
-/* The root of a squared acceleration, rounding about zero taken for zero. */
-static double root_of(const jounce_family *f, double square) {
-    return square * f->kappa > f->noise ? square_root(square) : 0.0;
+/* Whether a rise from zero acceleration to `a` that ends at v starts within v_min. */
+static int may_rise_to(const jounce_family *f, double v, double a) {
+    double square = a * a * f->half_rise, lowest = f->task.v_min;
+    double slack = ROUNDING * (magnitude(lowest) + magnitude(v) + square);
+    return a <= 0.0 || v - square >= lowest - slack;
 }
 
-/* The acceleration that gains the speed, -infinity where it is below the least. */
-static double to_cruise(const jounce_family *f, double gain, double least) {
-    double square;
-    if (!is_finite(gain)) {
-        return INFINITE;
-    }
-    square = gain * f->per_kappa;
-    if (square > least * least) {
-        return square_root(square);
-    }
-    return square >= least * least - slack_of(f, f->task.v_max) * f->per_kappa ? least : -INFINITE;
+static void view_both_ways(jounce_family *f) {
+    const jounce_task *t = &f->task;
+    jounce_peak p = to_cruise(f, t->v0, t->a0), q = to_cruise(f, t->v1, -t->a1);
+    int may_dip = may_rise_to(f, t->v1, t->a1), may_rise = may_rise_to(f, t->v0, -t->a0);
+    jounce_view ahead = {t->a0, t->a1, t->v1 - t->v0, t->v1, f->ratio, t->a_max, t->a_min,
+                         p,     q,     may_rise,      may_dip};
+    jounce_view back = {-t->a1, -t->a0, t->v0 - t->v1, t->v0,   -f->ratio, -t->a_min, -t->a_max,
+                        q,      p,      may_dip,       may_rise};
+    f->ahead = ahead;
+    f->back = back;
 }
 
 void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
     const jounce_task *t = &f->task;
-    double squares = larger(task->a0 * task->a0, task->a1 * task->a1), lowest;
-    double speed = larger(magnitude(task->v0), magnitude(task->v1));
-    double jerk = smaller(task->rise, task->fall), stop;
+    double jerk = smaller(task->rise, task->fall), stop, square;
     f->task = *task;
-    stop = speed / smaller(t->a_max, -t->a_min) + square_root(speed / jerk) +
+    f->speed = larger(magnitude(task->v0), magnitude(task->v1));
+    stop = f->speed / smaller(t->a_max, -t->a_min) + square_root(f->speed / jerk) +
            larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
     f->rounding = t->resolution + ROUNDING * magnitude(t->distance);
-    f->blur = f->rounding + ROUNDING * speed * stop;
+    f->blur = f->rounding + ROUNDING * f->speed * stop;
     f->rise_time = 1.0 / t->rise;
     f->fall_time = 1.0 / t->fall;
-    f->kappa = 0.5 * f->rise_time + 0.5 * f->fall_time;
+    f->half_rise = 0.5 * f->rise_time;
+    f->half_fall = 0.5 * f->fall_time;
+    f->kappa = f->half_rise + f->half_fall;
     f->per_kappa = 1.0 / f->kappa;
-    f->noise = ROUNDING * (speed + f->kappa * squares);
-    f->c = t->v1 - t->v0 + (t->a0 - t->a1) * (t->a0 + t->a1) * 0.5 * f->rise_time;
-    if (magnitude(f->c) <= f->noise) {
-        f->c = 0.0;
+    square = (t->a0 - t->a1) * (t->a0 + t->a1) * f->half_rise;
+    f->ratio = (t->v1 - t->v0 + square) * f->per_kappa;
+    if (magnitude(f->ratio) * f->kappa <= ROUNDING * (f->speed + magnitude(square))) {
+        f->ratio = 0.0;
     }
-    f->ratio = f->c * f->per_kappa;
-    f->v_in = t->v0 - t->a0 * t->a0 * 0.5 * f->rise_time;
-    f->v_out = t->v1 - t->a1 * t->a1 * 0.5 * f->rise_time;
-    f->p_cruise = to_cruise(f, t->v_max - f->v_in, larger(t->a0, 0.0));
-    f->q_cruise = -to_cruise(f, t->v_max - f->v_out, larger(-t->a1, 0.0));
-    lowest = t->v_min - slack_of(f, t->v_min);
-    /* a rise at the end that starts below zero acceleration dips to v_out, and so does one at the
-     * start that ends above it to v_in */
-    f->may_dip = t->a1 <= 0.0 || f->v_out >= lowest;
-    f->may_rise = t->a0 >= 0.0 || f->v_in >= lowest;
+    view_both_ways(f);
 }
 
 /* --- the arcs ---------------------------------------------------------------------------------- */
 
-static void add_arc(Arcs *arcs, int kind, double first, double last) {
+/* An acceleration, and how far it lies above a1. */
+typedef struct {
+    double value, offset;
+} Place;
+
+static Place located(double value, double offset) {
+    Place result;
+    result.value = value;
+    result.offset = offset;
+    return result;
+}
+
+static int is_above(Place a, Place b) {
+    return a.value > b.value || (a.value == b.value && a.offset > b.offset);
+}
+
+static Place lower_of(Place a, Place b) { return is_above(a, b) ? b : a; }
+
+static Place upper_of(Place a, Place b) { return is_above(a, b) ? a : b; }
+
+static Place above_zero(jounce_peak q, double a1) {
+    return located(q.size, a1 > 0.0 ? q.beyond : q.size - a1);
+}
+
+static Place below_zero(jounce_peak q, double a1) {
+    return located(-q.size, a1 < 0.0 ? -q.beyond : -q.size - a1);
+}
+
+/* Add an arc in q as it is seen in a view. */
+static void add_arc(Arcs *arcs, int kind, double origin, double first, double last) {
+    double sign = kind == FREE_P || kind == DWELL ? -1.0 : 1.0;
     if (arcs->count < MOST_ARCS) {
-        Arc arc = {kind, first, last};
+        Arc arc = {kind, sign * origin, sign * first, sign * last};
         arcs->arcs[arcs->count++] = arc;
     }
 }
 
-/* The two arcs in falling q: from `start` to `least`, and from -low to -high. */
-static void add_in_q(const jounce_family *f, int kind, double low, double high, double start,
-                     double least, Arcs *arcs) {
-    double bottom = 0.0;
-    if (!f->may_rise) {
+/* Add the arc of falling q between two places, each part counted from where its digits are. */
+static void add_between(double a1, int kind, Place first, Place last, Arcs *arcs) {
+    double half = 0.5 * a1;
+    if (is_above(last, first)) {
         return;
     }
-    if (f->may_dip) {
-        bottom = larger(larger(f->task.a_min, f->q_cruise), -high);
-    }
-    if (least <= start) {
-        if (least == 0.0 && bottom < 0.0) {
-            add_arc(arcs, kind, start, bottom);
-            return;
-        }
-        add_arc(arcs, kind, start, least);
-    }
-    if (bottom <= -low) {
-        add_arc(arcs, kind, -low, bottom);
+    if (a1 < 0.0 || (a1 > 0.0 && last.value >= half)) {
+        add_arc(arcs, kind, a1, first.offset, last.offset);
+    } else if (first.value <= half) {
+        add_arc(arcs, kind, 0.0, first.value, last.value);
+    } else {
+        add_arc(arcs, kind, a1, first.offset, -half);
+        add_arc(arcs, kind, 0.0, half, last.value);
     }
 }
 
-/* The two arcs in rising p: from `start` to -least, and from `low` to `high`. */
-static void add_in_p(const jounce_family *f, int kind, double low, double high, double start,
-                     double least, Arcs *arcs) {
-    double top = 0.0;
-    if (!f->may_dip) {
+/* The two arcs in falling q: from `start` to `least`, and from there with the other sign to -high. */
+static void add_in_q(const jounce_view *t, int kind, Place start, jounce_peak least,
+                     jounce_peak high, Arcs *arcs) {
+    double a1 = t->a1;
+    Place end = above_zero(least, a1), bottom = located(0.0, -a1);
+    if (!t->may_rise) {
         return;
     }
-    if (f->may_rise) {
-        top = smaller(smaller(f->task.a_max, f->p_cruise), high);
+    if (t->may_dip) {
+        bottom = upper_of(located(t->bottom, t->bottom - a1),
+                          located(-t->q_cruise.size, -t->q_cruise.beyond));
+        bottom = upper_of(bottom, below_zero(high, a1));
     }
-    if (start <= -least) {
-        if (least == 0.0 && top > 0.0) {
-            add_arc(arcs, kind, start, top);
+    if (!is_above(end, start)) {
+        if (end.value == 0.0 && bottom.value < 0.0) {
+            add_between(a1, kind, start, bottom, arcs);
             return;
         }
-        add_arc(arcs, kind, start, -least);
+        add_between(a1, kind, start, end, arcs);
     }
-    if (low <= top) {
-        add_arc(arcs, kind, low, top);
-    }
+    add_between(a1, kind, lower_of(located(a1, 0.0), below_zero(least, a1)), bottom, arcs);
 }
 
-static double root_or_none(const jounce_family *f, double square) {
-    return square * f->kappa >= -f->noise ? root_of(f, square) : -INFINITE;
+/* The size of q, and how far it is beyond that of a1, where the profile without holds has a peak p;
+ * zero within rounding, and `none` where there is none. */
+static jounce_peak meets(const jounce_family *f, const jounce_view *t, double p, double none) {
+    double rising = (p - t->a0) * (p + t->a0) * f->half_rise, falling = p * p * f->half_fall;
+    double last = t->a1 * t->a1 * f->half_rise, size = magnitude(t->a1);
+    double square = rising + falling + last - t->gain;
+    double noise = ROUNDING * (magnitude(rising) + falling + last + f->speed);
+    jounce_peak q = {0.0, 0.0};
+    if (square > noise) {
+        q.size = square_root(square * f->per_kappa);
+        square = rising + (p - size) * (p + size) * f->half_fall - t->gain;
+        q.beyond = square * f->per_kappa / (q.size + size);
+    } else {
+        q.size = square < -noise ? none : 0.0;
+        q.beyond = q.size - size;
+    }
+    return q;
+}
+
+/* What the three ramps of a profile gain of velocity. */
+static inline double gain_of_ramps(const jounce_family *f, const jounce_view *t,
+                                   const jounce_profile *profile) {
+    double p = profile->p, q = profile->q;
+    return (profile->first * (p + t->a0) + profile->last * (q + t->a1)) * f->half_rise +
+           profile->fall * (p + q) * f->half_fall;
+}
+
+static jounce_profile holding_both(const jounce_family *f) {
+    const jounce_task *t = &f->task;
+    jounce_profile profile = {0};
+    profile.p = t->a_max;
+    profile.q = t->a_min;
+    profile.first = t->a_max - t->a0;
+    profile.fall = t->a_max - t->a_min;
+    profile.last = t->a1 - t->a_min;
+    return profile;
 }
 
 static void add_holds(const jounce_family *f, Arcs *arcs) {
-    double p = f->task.a_max, q = f->task.a_min;
-    double first = larger(f->c - f->kappa * (p * p - q * q), 0.0) / p;
-    double last = (f->task.v_max - f->v_in - f->kappa * p * p) / p;
+    const jounce_task *t = &f->task;
+    jounce_profile both = holding_both(f);
+    double p = both.p, top = both.first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
+    double first = larger(f->ahead.gain - gain_of_ramps(f, &f->ahead, &both), 0.0) / p;
+    double last = (t->v_max - t->v0 - top) / p;
     if (first <= last) {
-        add_arc(arcs, BOTH, first, last);
+        add_arc(arcs, BOTH, 0.0, first, last);
+    }
+}
+
+static void find_free(const jounce_family *f, Arcs *arcs) {
+    int kind = f->ratio >= 0.0 ? FREE_Q : FREE_P;
+    const jounce_view *t = kind == FREE_Q ? &f->ahead : &f->back;
+    jounce_peak least = {0.0, 0.0}, high = {INFINITE, INFINITE};
+    least.beyond = -magnitude(t->a1);
+    if (t->a0 > 0.0) {
+        least = meets(f, t, t->a0, 0.0);
+    }
+    if (is_finite(t->top)) {
+        high = meets(f, t, t->top, -INFINITE);
+    }
+    add_in_q(t, kind, lower_of(located(t->a1, 0.0), above_zero(high, t->a1)), least, high, arcs);
+}
+
+static void find_held(const jounce_family *f, const jounce_view *t, int kind, Arcs *arcs) {
+    jounce_peak any = {INFINITE, INFINITE};
+    Place start = lower_of(located(t->a1, 0.0), located(t->top, t->top - t->a1));
+    if (is_finite(t->top)) {
+        add_in_q(t, kind, start, meets(f, t, t->top, 0.0), any, arcs);
     }
 }
 
 /* The arcs of the family without cruise. */
 static void find_arcs(const jounce_family *f, Arcs *arcs) {
     const jounce_task *t = &f->task;
-    double a0 = t->a0, a1 = t->a1, p_max = t->a_max, q_min = t->a_min, ratio = f->ratio;
-    double least, most;
     arcs->count = 0;
-    if (a0 > p_max || a1 < q_min) {
+    if (t->a0 > t->a_max || t->a1 < t->a_min) {
         return;
     }
-    if (ratio == 0.0 && a0 <= a1 && a1 < 0.0) {
-        add_arc(arcs, FREE_P, a1, a1); /* nothing but the rise */
+    if (f->ratio == 0.0 && t->a0 <= t->a1 && t->a1 < 0.0) { /* nothing but the rise */
+        add_arc(arcs, FREE_P, -t->a0, t->a0 - t->a1, t->a0 - t->a1);
     }
-    if (ratio >= 0.0) {
-        least = a0 > 0.0 ? root_of(f, a0 * a0 - ratio) : 0.0;
-        most = is_finite(p_max) ? root_or_none(f, p_max * p_max - ratio) : INFINITE;
-        add_in_q(f, FREE_Q, larger(least, -a1), most, smaller(a1, most), least, arcs);
-    } else {
-        least = a1 < 0.0 ? root_of(f, a1 * a1 + ratio) : 0.0;
-        most = is_finite(q_min) ? root_or_none(f, q_min * q_min + ratio) : INFINITE;
-        add_in_p(f, FREE_P, larger(least, a0), most, larger(a0, -most), least, arcs);
-    }
-    if (is_finite(p_max)) {
-        least = root_of(f, p_max * p_max - ratio);
-        add_in_q(f, HOLD, larger(least, -a1), -q_min, smaller(a1, p_max), least, arcs);
-    }
-    if (is_finite(q_min)) {
-        least = root_of(f, q_min * q_min + ratio);
-        add_in_p(f, DWELL, larger(least, a0), p_max, larger(a0, q_min), least, arcs);
-    }
-    if (is_finite(p_max) && is_finite(q_min) && f->may_dip && f->may_rise) {
+    find_free(f, arcs);
+    find_held(f, &f->ahead, HOLD, arcs);
+    find_held(f, &f->back, DWELL, arcs);
+    if (is_finite(t->a_max) && is_finite(t->a_min) && f->ahead.may_dip && f->ahead.may_rise) {
         add_holds(f, arcs);
     }
 }
 
-static inline jounce_profile timed(const jounce_family *f, double p, double hold, double q,
-                            double dwell) {
-    const jounce_task *t = &f->task;
-    double moving = ((p - t->a0) + (t->a1 - q)) * f->rise_time + (p - q) * f->fall_time;
-    jounce_profile profile = {larger(moving, 0.0) + hold + dwell, p, hold, 0.0, q, dwell, 0.0};
+static inline void set_duration(const jounce_family *f, jounce_profile *profile) {
+    profile->duration = larger((profile->first + profile->last) * f->rise_time +
+                                   profile->fall * f->fall_time, 0.0) +
+                        profile->hold + profile->dwell;
+}
+
+/* The profile of a q, seen in a view. Each ramp is found from differences, not as the difference of
+ * two accelerations, which may nearly agree. */
+static inline jounce_profile from_q(const jounce_family *f, const jounce_view *t, int held,
+                                    double origin, double s) {
+    double a0 = t->a0, q = origin + s, p = t->top, left;
+    jounce_profile profile = {0};
+    profile.q = q;
+    profile.last = t->a1 - origin - s;
+    if (held) {
+        profile.p = p;
+        profile.first = p - a0;
+        profile.fall = p - origin - s;
+        profile.hold = larger((t->gain - gain_of_ramps(f, t, &profile)) / p, 0.0);
+        return profile;
+    }
+    p = square_root(larger(t->ratio + q * q, 0.0));
+    if (a0 > 0.0) {
+        left = t->gain - profile.last * (q + t->a1) * f->half_rise;
+        left += (origin - a0 + s) * (q + a0) * f->half_fall;
+        profile.first = larger(left * f->per_kappa / (p + a0), 0.0);
+        p = a0 + profile.first;
+    } else {
+        profile.first = p - a0;
+    }
+    profile.p = p;
+    if (q <= 0.0) {
+        profile.fall = p - q;
+    } else if (f->fall_time > f->rise_time) {
+        profile.fall = t->ratio / (p + q);
+    } else {
+        profile.fall = larger(profile.first + profile.last + (a0 - t->a1), 0.0);
+    }
     return profile;
 }
 
 /* The member of an arc at parameter s. */
-static inline jounce_profile member(const jounce_family *f, int kind, double s) {
-    const jounce_task *t = &f->task;
-    double p = t->a_max, q = t->a_min, hold = 0.0, dwell = 0.0;
-    switch (kind) {
-    case FREE_Q:
-        p = larger(square_root(larger(f->ratio + s * s, 0.0)), t->a0);
-        q = s;
-        break;
-    case FREE_P:
-        p = s;
-        q = smaller(-square_root(larger(s * s - f->ratio, 0.0)), t->a1);
-        break;
-    case HOLD:
-        q = s;
-        hold = larger((f->c - f->kappa * (p - q) * (p + q)) / p, 0.0);
-        break;
-    case DWELL:
-        p = s;
-        dwell = larger((f->c - f->kappa * (p - q) * (p + q)) / q, 0.0);
-        break;
-    default:
-        hold = s;
-        dwell = larger((f->c - f->kappa * (p * p - q * q) - p * hold) / q, 0.0);
+static inline jounce_profile member(const jounce_family *f, const Arc *arc, double s) {
+    jounce_profile profile, other;
+    if (arc->kind == BOTH) {
+        profile = holding_both(f);
+        profile.hold = s;
+        profile.dwell = larger((f->ahead.gain - gain_of_ramps(f, &f->ahead, &profile) -
+                                profile.p * s) / profile.q, 0.0);
+    } else if (arc->kind == FREE_Q || arc->kind == HOLD) {
+        profile = from_q(f, &f->ahead, arc->kind == HOLD, arc->origin, s);
+    } else {
+        other = profile = from_q(f, &f->back, arc->kind == DWELL, -arc->origin, -s);
+        profile.p = -other.q;
+        profile.q = -other.p;
+        profile.first = other.last;
+        profile.last = other.first;
+        profile.hold = 0.0;
+        profile.dwell = other.hold;
     }
-    return timed(f, p, hold, q, dwell);
+    set_duration(f, &profile);
+    return profile;
 }
 
 /* The derivative of the duration by the parameter. */
@@ -239,10 +347,10 @@ static inline double duration_slope(const jounce_family *f, int kind, const joun
     switch (kind) {
     case FREE_Q:
     case HOLD:
-        return p != 0.0 ? 2.0 * f->kappa * (q / p - 1.0) : -2.0 * f->kappa;
+        return p != 0.0 ? -2.0 * f->kappa * profile->fall / p : -2.0 * f->kappa;
     case FREE_P:
     case DWELL:
-        return q != 0.0 ? 2.0 * f->kappa * (1.0 - p / q) : 2.0 * f->kappa;
+        return q != 0.0 ? -2.0 * f->kappa * profile->fall / q : 2.0 * f->kappa;
     default:
         return 1.0 - p / q;
     }
@@ -254,22 +362,49 @@ typedef struct {
     double distance, slope, scale; /* without the cruise; its derivative by the duration; rounding */
 } Travel;
 
-static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
+/* Velocities at both ends of the fall, that before it reckoned from the start and that after it from
+ * the end; the distances from the start and to the end; and which of the two knows more digits. */
+typedef struct {
+    double v, w, x, y;
+    double fastest[2];
+} Ends;
+
+static inline Ends ends_of_fall(const jounce_family *f, const jounce_profile *profile) {
     const jounce_task *t = &f->task;
-    double p = profile->p, q = profile->q, v = t->v0, w, x, fastest;
+    double p = profile->p, q = profile->q, hold = profile->hold, dwell = profile->dwell;
+    Ends e;
+    e.v = t->v0;
+    e.w = t->v1;
+    e.x = ramp_in(&e.v, t->a0, p, profile->first * f->rise_time);
+    e.fastest[0] = larger(magnitude(t->v0), magnitude(e.v));
+    e.x += (e.v + 0.5 * p * hold) * hold;
+    e.v += p * hold;
+    e.y = -ramp_in(&e.w, t->a1, q, -profile->last * f->rise_time);
+    e.fastest[1] = larger(magnitude(t->v1), magnitude(e.w));
+    e.y += (e.w - 0.5 * q * dwell) * dwell;
+    e.w -= q * dwell;
+    e.fastest[0] = larger(e.fastest[0], magnitude(e.v));
+    e.fastest[1] = larger(e.fastest[1], magnitude(e.w));
+    return e;
+}
+
+static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
+    double p = profile->p, q = profile->q, time = profile->fall * f->fall_time, v;
+    Ends e = ends_of_fall(f, profile);
+    int rear = e.fastest[1] < e.fastest[0];
     Travel result;
-    x = ramp_in(&v, t->a0, p, (p - t->a0) * f->rise_time);
-    x += (v + 0.5 * p * profile->hold) * profile->hold;
-    v += p * profile->hold;
-    result.slope = v + 0.5 * p * (p - q) * f->fall_time;
-    w = v;
-    x += ramp_in(&w, p, q, (p - q) * f->fall_time);
-    x += (w + 0.5 * q * profile->dwell) * profile->dwell;
-    fastest = larger(larger(magnitude(t->v0), magnitude(v)), larger(magnitude(w), magnitude(t->v1)));
-    w += q * profile->dwell;
-    x += ramp_in(&w, q, t->a1, (t->a1 - q) * f->rise_time);
-    result.distance = x;
-    result.scale = fastest * profile->duration;
+    if (rear) {
+        v = e.w;
+        result.slope = e.w - 0.5 * q * time;
+        result.distance = e.x - ramp_in(&v, q, p, -time) + e.y;
+    } else {
+        v = e.v;
+        result.slope = e.v + 0.5 * p * time;
+        result.distance = e.x + ramp_in(&v, p, q, time) + e.y;
+    }
+    result.scale = e.fastest[0] * (profile->first * f->rise_time + profile->hold) +
+                   e.fastest[1] * (profile->last * f->rise_time + profile->dwell) +
+                   larger(e.fastest[rear], magnitude(v)) * time;
     return result;
 }
 
@@ -291,33 +426,47 @@ static int quadratic(double a, double b, double c, double *roots) {
 }
 
 /* The parameters at which the distance may turn: the zeros of H on an arc. */
-static int turning_points(const jounce_family *f, int kind, double *points) {
-    const jounce_task *t = &f->task;
-    double p = t->a_max, q = t->a_min;
-    if (kind == FREE_Q || kind == FREE_P) {
-        double alpha = 0.125 * f->rise_time + 0.25 * f->fall_time, roots[2];
-        double gamma = f->v_in + 0.25 * f->ratio * (f->rise_time + f->fall_time);
-        double beta = 0.125 * f->ratio * f->ratio * f->rise_time;
-        int n = quadratic(alpha, gamma, beta, roots), i, count = 0;
+static int turning_points(const jounce_family *f, const Arc *arc, double *points) {
+    int kind = arc->kind, n, i, count = 0;
+    int is_back = kind == FREE_P || kind == DWELL;
+    const jounce_view *t = is_back ? &f->back : &f->ahead;
+    double p = t->top, origin = is_back ? -arc->origin : arc->origin, a1 = t->a1, roots[2];
+    if (kind == BOTH) {
+        jounce_profile both = holding_both(f);
+        points[0] = -(f->task.v0 + both.first * (p + t->a0) * f->half_rise +
+                      p * both.fall * f->half_fall) / p;
+        return 1;
+    }
+    if (kind == HOLD || kind == DWELL) {
+        n = quadratic(f->kappa, -2.0 * a1 * f->half_rise - (a1 + a1 - p) * f->half_fall,
+                      t->v1 - (p - a1) * a1 * f->half_fall, roots);
+        for (i = 0; i < n; i++) {
+            points[count++] = a1 - origin - roots[i];
+        }
+    } else {
+        double alpha = 0.25 * f->half_rise + 0.5 * f->half_fall;
+        double gamma = t->v1 - 0.5 * t->gain - 0.5 * (t->a0 * t->a0 + a1 * a1) * f->half_rise;
+        double beta = 0.25 * t->ratio * t->ratio * f->half_rise;
+        n = quadratic(alpha, gamma, beta, roots);
         for (i = 0; i < n; i++) {
             if (roots[i] > 0.0) {
                 double w = square_root(roots[i]);
-                points[count++] = (kind == FREE_Q ? -0.5 : 0.5) * w + 0.5 * f->ratio / w;
+                points[count++] = -0.5 * w + 0.5 * t->ratio / w - origin;
             }
         }
-        return count;
     }
-    if (kind == HOLD) {
-        return quadratic(f->kappa, -0.5 * p * f->fall_time, f->v_in + f->c, points);
+    for (i = 0; i < count && is_back; i++) {
+        points[i] = -points[i];
     }
-    if (kind == DWELL) {
-        return quadratic(f->kappa, -0.5 * q * f->fall_time, f->v_in, points);
-    }
-    points[0] = -(f->v_in + 0.5 * p * p * f->rise_time + 0.5 * p * (p - q) * f->fall_time) / p;
-    return 1;
+    return count;
 }
 
 /* --- profiles of a given distance --------------------------------------------------------------- */
+
+/* An error of the distance that is worth no more than rounding of the states in this time. */
+static inline double blur_of(const jounce_family *f, double duration) {
+    return smaller(f->blur, f->rounding + ROUNDING * f->speed * duration);
+}
 
 static void keep(const jounce_profile *profile, jounce_profiles *found) {
     if (found->count < JOUNCE_MOST_PROFILES) {
@@ -326,10 +475,11 @@ static void keep(const jounce_profile *profile, jounce_profiles *found) {
 }
 
 /* A parameter beyond which the distance wanted is exceeded for good; 0 where there is none. */
-static int far_parameter(const jounce_family *f, int kind, double s, double infinite, double *far) {
+static int far_parameter(const jounce_family *f, const Arc *arc, double s, double infinite,
+                         double *far) {
     double step = infinite > 0.0 ? 1.0 : -1.0;
     while (magnitude(step) < 1e100) {
-        jounce_profile profile = member(f, kind, s + step);
+        jounce_profile profile = member(f, arc, s + step);
         Travel there = travel(f, &profile);
         if (there.slope > 0.0 && there.distance > f->task.distance) {
             *far = s + step;
@@ -367,11 +517,37 @@ static inline double quadratic_step(double step, double error, double slope, dou
     return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
 }
 
+/* Take what the distance errs from the time at a bound so small that the velocity does not feel it:
+ * the parameter is coarser than such a time. */
+static jounce_profile with_time_mended(const jounce_family *f, jounce_profile profile) {
+    double error = travel(f, &profile).distance - f->task.distance;
+    Ends e = ends_of_fall(f, &profile);
+    double time = profile.fall * f->fall_time;
+    int rear = e.fastest[1] < e.fastest[0];
+    double hold = -error / (rear ? e.v : e.v + profile.p * time);
+    double dwell = -error / (rear ? e.w - profile.q * time : e.w);
+    double gained = magnitude(profile.p * hold), lost = magnitude(profile.q * dwell);
+    int is_hold = profile.hold > 0.0 && !(profile.dwell > 0.0 && lost < gained);
+    double change = is_hold ? hold : dwell, most = is_hold ? profile.hold : profile.dwell;
+    if (!((is_hold ? gained : lost) <= 4.0 * EPSILON * larger(e.fastest[0], e.fastest[1])) ||
+        most <= magnitude(change)) {
+        return profile;
+    }
+    if (is_hold) {
+        profile.hold += change;
+    } else {
+        profile.dwell += change;
+    }
+    profile.duration += change;
+    return profile;
+}
+
 /* The profile between two points at which the distance errs either way: Newton's iteration, which
  * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
  * bounds are held the distance is a quadratic of the parameter. */
-static jounce_profile between(const jounce_family *f, int kind, const Point *first,
+static jounce_profile between(const jounce_family *f, const Arc *arc, const Point *first,
                               const Point *last) {
+    int kind = arc->kind;
     double low = smaller(first->s, last->s), high = larger(first->s, last->s);
     double step = last->s - first->s, steep_before = steepness(f, kind, first), moved;
     int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
@@ -385,7 +561,7 @@ static jounce_profile between(const jounce_family *f, int kind, const Point *fir
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;
         at.s = following;
-        at.profile = member(f, kind, following);
+        at.profile = member(f, arc, following);
         measure(f, &at);
         if (magnitude(at.error) <= EPSILON * at.scale) {
             break;
@@ -407,7 +583,7 @@ static jounce_profile between(const jounce_family *f, int kind, const Point *fir
             step = following - at.s;
             bend = (steep - steep_before) * step * step;
             if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
-                return member(f, kind, following);
+                return member(f, arc, following);
             }
         }
         moved = following - at.s;
@@ -426,7 +602,7 @@ static int marks_of(const jounce_family *f, const Arc *arc, const Point *first, 
     double turns[2];
     int n = 0, count = 1, i;
     if (first->slope < 0.0 || first->profile.p < 0.0 || first->profile.q > 0.0) {
-        n = turning_points(f, arc->kind, turns);
+        n = turning_points(f, arc, turns);
     }
     marks[0] = arc->first;
     for (i = 0; i < n; i++) {
@@ -473,17 +649,17 @@ static void keep_nearly(const Point *at, jounce_profiles *found) {
 }
 
 /* Keep the profile at a point, or between it and the point before. */
-static void keep_up_to(const jounce_family *f, int kind, const Point *before, Point *at,
+static void keep_up_to(const jounce_family *f, const Arc *arc, const Point *before, Point *at,
                        jounce_profiles *found) {
     double exact = f->rounding + 4.0 * ROUNDING * at->scale;
     if (magnitude(at->error) <= exact) {
         keep(&at->profile, found);
         at->error = 0.0;
-    } else if (magnitude(at->error) <= exact + f->blur) {
+    } else if (magnitude(at->error) <= exact + blur_of(f, at->profile.duration)) {
         keep_nearly(at, found);
     }
     if (before->error * at->error < 0.0) {
-        jounce_profile profile = between(f, kind, before, at);
+        jounce_profile profile = with_time_mended(f, between(f, arc, before, at));
         keep(&profile, found);
     }
 }
@@ -496,40 +672,57 @@ static void on_arc(const jounce_family *f, const Arc *arc, const jounce_profile 
     Point points[2];
     int count, i;
     points[0] = first_point(f, arc, first, last);
-    keep_up_to(f, arc->kind, &points[0], &points[0], found);
+    keep_up_to(f, arc, &points[0], &points[0], found);
     count = marks_of(f, arc, &points[0], marks);
     for (i = 1; i < count; i++) {
         Point *at = &points[i % 2], *before = &points[(i + 1) % 2];
         at->s = marks[i];
-        if (!is_finite(at->s) && !far_parameter(f, arc->kind, before->s, at->s, &at->s)) {
+        if (!is_finite(at->s) && !far_parameter(f, arc, before->s, at->s, &at->s)) {
             return;
         }
-        at->profile = member(f, arc->kind, at->s);
+        at->profile = member(f, arc, at->s);
         measure(f, at);
-        keep_up_to(f, arc->kind, before, at, found);
+        keep_up_to(f, arc, before, at, found);
     }
     *last = points[(count - 1) % 2];
+}
+
+/* The rise to the peak, and the hold there, of a profile that reaches v_max with zero acceleration,
+ * seen in a view from velocity v. */
+static void rise_to_cruise(const jounce_family *f, const jounce_view *t, double v,
+                           jounce_profile *profile) {
+    double p = t->top, gained;
+    profile->p = t->p_cruise.size;
+    profile->first = t->p_cruise.beyond;
+    profile->hold = 0.0;
+    if (profile->p > p) {
+        profile->p = p;
+        profile->first = p - t->a0;
+        gained = profile->first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
+        profile->hold = larger(f->task.v_max - v - gained, 0.0) / p;
+    }
 }
 
 /* The profile that touches v_max with zero acceleration. */
 static int cruising(const jounce_family *f, jounce_profile *profile) {
     const jounce_task *t = &f->task;
-    double p = f->p_cruise, q = f->q_cruise, hold = 0.0, dwell = 0.0;
-    if (!(f->may_dip && f->may_rise && p >= 0.0 && is_finite(p) && is_finite(q) && q <= 0.0)) {
+    double p = f->ahead.p_cruise.size, q = f->ahead.q_cruise.size;
+    jounce_profile last = {0};
+    if (!(f->ahead.may_dip && f->ahead.may_rise && p >= 0.0 && is_finite(p) && is_finite(q) &&
+          q >= 0.0)) {
         return 0;
     }
     if (t->a0 > t->a_max || t->a1 < t->a_min) {
         return 0;
     }
-    if (p > t->a_max) {
-        hold = f->kappa * (p / t->a_max - 1.0) * (p + t->a_max);
-        p = t->a_max;
-    }
-    if (q < t->a_min) {
-        dwell = f->kappa * (q / t->a_min - 1.0) * (-q - t->a_min);
-        q = t->a_min;
-    }
-    *profile = timed(f, p, hold, q, dwell);
+    *profile = last;
+    rise_to_cruise(f, &f->ahead, t->v0, profile);
+    rise_to_cruise(f, &f->back, t->v1, &last);
+    profile->q = -last.p;
+    profile->last = last.first;
+    profile->dwell = last.hold;
+    profile->fall = profile->p - profile->q;
+    set_duration(f, profile);
     return 1;
 }
 
@@ -541,7 +734,7 @@ static int cruising_there(const jounce_family *f, double longest, jounce_profile
         return 0;
     }
     rest = f->task.distance - travel(f, profile).distance;
-    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + f->blur;
+    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + blur_of(f, profile->duration);
     if (v_max <= 0.0) {
         return magnitude(rest) <= slack;
     }
@@ -554,7 +747,7 @@ static int cruising_there(const jounce_family *f, double longest, jounce_profile
 static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *firsts, int *sorted) {
     int i, k;
     for (i = 0; i < arcs->count; i++) {
-        firsts[i] = member(f, arcs->arcs[i].kind, arcs->arcs[i].first);
+        firsts[i] = member(f, &arcs->arcs[i], arcs->arcs[i].first);
         for (k = i; k > 0 && firsts[sorted[k - 1]].duration > firsts[i].duration; k--) {
             sorted[k] = sorted[k - 1];
         }
@@ -627,7 +820,7 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
     found->count = 0;
     find_arcs(f, &arcs);
     for (i = 0; i < arcs.count; i++) {
-        profile = member(f, arcs.arcs[i].kind, arcs.arcs[i].first);
+        profile = member(f, &arcs.arcs[i], arcs.arcs[i].first);
         on_arc(f, &arcs.arcs[i], &profile, &last, found);
     }
     if (cruising_there(f, INFINITE, &profile)) {
@@ -639,44 +832,44 @@ void jounce_jerk_solutions(const jounce_family *f, jounce_profiles *found) {
 /* --- profiles of a given duration --------------------------------------------------------------- */
 
 /* The parameter of a duration, `more` than that of the arc's first member. */
-static double parameter(const jounce_family *f, const Arc *arc, double duration, double more) {
-    const jounce_task *t = &f->task;
-    double kappa = f->kappa, first = arc->first;
-    if (arc->kind == FREE_Q || arc->kind == FREE_P) {
-        double width = 0.5 * (duration - (t->a1 - t->a0) / t->rise) / kappa;
-        if (width <= 0.0) {
-            return first;
+static double parameter(const jounce_family *f, const Arc *arc, const jounce_profile *first,
+                        double more) {
+    double step = 0.5 * more * f->per_kappa, fall = first->fall, sum = fall + step, bend = 0.0;
+    switch (arc->kind) {
+    case FREE_Q: /* the duration is 2 kappa (p - q) and a constant */
+    case FREE_P:
+        if (fall > 0.0) {
+            bend = magnitude(f->ratio) / sum / fall;
         }
-        return 0.5 * f->ratio / width + (arc->kind == FREE_Q ? -0.5 : 0.5) * width;
+        return arc->first + (arc->kind == FREE_Q ? -0.5 : 0.5) * step * (1.0 + bend);
+    case HOLD: /* the duration is kappa (q - p)^2 / p and a constant */
+    case DWELL:
+        step = more * (arc->kind == HOLD ? first->p : -first->q) * f->per_kappa;
+        sum = fall + square_root(fall * fall + step);
+        step = sum > 0.0 ? step / sum : 0.0;
+        return arc->first + (arc->kind == HOLD ? -step : step);
+    default:
+        return arc->first + more / (1.0 - first->p / first->q);
     }
-    if (arc->kind == HOLD) { /* the duration is kappa (q - p)^2 / p and a constant */
-        double p = t->a_max;
-        return p - square_root((first - p) * (first - p) + more * p / kappa);
-    }
-    if (arc->kind == DWELL) {
-        double q = t->a_min;
-        return q + square_root((first - q) * (first - q) - more * q / kappa);
-    }
-    return first + more / (1.0 - t->a_max / t->a_min);
 }
 
 static int lasting_on(const jounce_family *f, const Arc *arc, double duration,
                       jounce_profile *profile) {
-    jounce_profile shortest = member(f, arc->kind, arc->first);
+    jounce_profile shortest = member(f, arc, arc->first);
     double s;
     if (duration < shortest.duration * (1.0 - ROUNDING)) {
         return 0;
     }
     if (is_finite(arc->last)) {
-        jounce_profile longest = member(f, arc->kind, arc->last);
+        jounce_profile longest = member(f, arc, arc->last);
         if (duration >= longest.duration) {
             *profile = longest;
             return duration <= longest.duration * (1.0 + ROUNDING);
         }
     }
-    s = parameter(f, arc, duration, larger(duration - shortest.duration, 0.0));
+    s = parameter(f, arc, &shortest, larger(duration - shortest.duration, 0.0));
     s = clamp(s, smaller(arc->first, arc->last), larger(arc->first, arc->last));
-    *profile = member(f, arc->kind, s);
+    *profile = member(f, arc, s);
     return 1;
 }
 
@@ -703,9 +896,9 @@ int jounce_jerk_edges(const jounce_family *f, double *durations) {
     int i, count = 0;
     find_arcs(f, &arcs);
     for (i = 0; i < arcs.count; i++) {
-        durations[count++] = member(f, arcs.arcs[i].kind, arcs.arcs[i].first).duration;
+        durations[count++] = member(f, &arcs.arcs[i], arcs.arcs[i].first).duration;
         if (is_finite(arcs.arcs[i].last)) {
-            durations[count++] = member(f, arcs.arcs[i].kind, arcs.arcs[i].last).duration;
+            durations[count++] = member(f, &arcs.arcs[i], arcs.arcs[i].last).duration;
         }
     }
     if (cruising(f, &profile)) {
@@ -720,31 +913,34 @@ double jounce_jerk_distance(const jounce_family *f, const jounce_profile *profil
 }
 
 /* The first pieces are reckoned from the start, those after the fall from the end: rounding meets
- * in between. */
+ * before the fall or after it. */
 void jounce_jerk_pieces(const jounce_family *f, const jounce_profile *profile, double start,
                         double end, jounce_motion *motion) {
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, hold = profile->hold, dwell = profile->dwell;
-    double v = t->v0, x = start, w = t->v1, y = end, w_rear, y_rear;
-    jounce_add(motion, (p - t->a0) / t->rise, x, v, t->a0, t->rise);
-    x += ramp(&v, t->a0, p, t->rise);
+    double rising = profile->first * f->rise_time, last = profile->last * f->rise_time;
+    double falling = profile->fall * f->fall_time, v = t->v0, x = start, w = t->v1, y = end;
+    Ends e = ends_of_fall(f, profile);
+    jounce_add(motion, rising, x, v, t->a0, t->rise);
+    x += ramp_in(&v, t->a0, p, rising);
     jounce_add(motion, hold, x, v, p, 0.0);
-    x += (v + 0.5 * p * hold) * hold;
-    v += p * hold;
-    y += ramp(&w, t->a1, q, t->rise); /* backwards in time */
-    y_rear = y;
-    w_rear = w;
-    y -= (w - 0.5 * q * dwell) * dwell;
-    w -= q * dwell;
-    if (profile->cruise == 0.0) {
-        jounce_add(motion, (p - q) / t->fall, x, v, p, -t->fall);
-    } else {
-        double top = t->v_max, before = v, back = top;
-        jounce_add(motion, p / t->fall, x, v, p, -t->fall);
-        x += ramp(&before, p, 0.0, -t->fall);
+    x = start + e.x;
+    y = end - e.y;
+    if (profile->cruise > 0.0) {
+        double top = t->v_max, before = e.v, back = top;
+        double from = p * f->fall_time, to = -q * f->fall_time;
+        jounce_add(motion, from, x, e.v, p, -t->fall);
+        x += ramp_in(&before, p, 0.0, from);
         jounce_add(motion, profile->cruise, x, top, 0.0, 0.0);
-        jounce_add(motion, -q / t->fall, y - ramp(&back, 0.0, q, -t->fall), top, 0.0, -t->fall);
+        jounce_add(motion, to, y - ramp_in(&back, 0.0, q, to), top, 0.0, -t->fall);
+    } else if (e.fastest[1] < e.fastest[0]) {
+        double before = e.w;
+        x = y + ramp_in(&before, q, p, -falling);
+        jounce_add(motion, falling, x, before, p, -t->fall);
+    } else {
+        jounce_add(motion, falling, x, e.v, p, -t->fall);
     }
-    jounce_add(motion, dwell, y, w, q, 0.0);
-    jounce_add(motion, (t->a1 - q) / t->rise, y_rear, w_rear, q, t->rise);
+    jounce_add(motion, dwell, y, e.w, q, 0.0);
+    y = end + ramp_in(&w, t->a1, q, -last);
+    jounce_add(motion, last, y, w, q, t->rise);
 }

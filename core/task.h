@@ -93,6 +93,7 @@ double jounce_inside(double value, double low, double high);
 typedef struct {
     double duration, p, hold, cruise, q, dwell;
     double worth; /* time that its error of the distance takes, where it has one */
+    double first, fall, last; /* with bounded jerk: p - a0, p - q, a1 - q to their own last digits */
 } jounce_profile;
 
 enum { JOUNCE_MOST_PROFILES = 40 };
@@ -102,17 +103,31 @@ typedef struct {
     jounce_profile profiles[JOUNCE_MOST_PROFILES];
 } jounce_profiles;
 
+/* An acceleration from or to which a profile cruises: its size, and what it is beyond that at the end
+ * of the motion. */
+typedef struct {
+    double size, beyond;
+} jounce_peak;
+
+/* A family seen from one end: as it is, or backwards in time, where -q is what p was. */
+typedef struct {
+    double a0, a1, gain, v1; /* gain = v1 - v0 */
+    double ratio;            /* p^2 - q^2 where nothing is held */
+    double top, bottom;      /* bounds of p and q */
+    jounce_peak p_cruise, q_cruise;
+    int may_rise, may_dip; /* p above zero, and q below it */
+} jounce_view;
+
 /* What depends on the task alone. */
 typedef struct {
     jounce_task task;
     double rounding;          /* an error of the distance that is mere rounding of itself */
     double blur;              /* the same, of the states of motion */
+    double speed;             /* the larger one of both ends */
     double rise_time, fall_time; /* of a unit of acceleration; the rest is the jerk's */
-    double kappa, per_kappa, noise;
-    double c, ratio;          /* of what the end velocity asks */
-    double v_in, v_out;       /* velocities at which the outer rises cross zero acceleration */
-    double p_cruise, q_cruise; /* accelerations from and to which the profile cruises */
-    int may_dip, may_rise;
+    double half_rise, half_fall, kappa, per_kappa; /* kappa = 1/(2 rise) + 1/(2 fall) */
+    double ratio;
+    jounce_view ahead, back;
 } jounce_family;
 
 void jounce_jerk_family(const jounce_task *task, jounce_family *family);
