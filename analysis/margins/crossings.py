@@ -10,8 +10,6 @@ frequency grid is laid, so no narrow peak falls between two points, and no produ
 is expanded.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from .factored_loop import Complex, Real
@@ -25,20 +23,31 @@ _DECADES = 2.0
 
 def stationary_points(zeros: Complex, poles: Complex) -> Real:
     """Return frequencies, among them all where ln |Π(jω − z)/Π(jω − p)| turns."""
-    return _turning_points(zeros, poles, lambda signs, _: signs.astype(complex), 0.0)
+    roots, signs = _signed(zeros, poles)
+    return _turning_points(roots, signs.astype(complex), 0.0)
 
 
-def phase_points(zeros: Complex, poles: Complex, delay: float) -> Real:
-    """Return frequencies, among them all where the phase of their quotient e^(−s·delay) turns."""
-    return _turning_points(zeros, poles, np.multiply, delay)
-
-
-def _turning_points(
-    zeros: Complex, poles: Complex, weigh: Callable[[Real, Complex], Complex], constant: float
+def phase_points(
+    zeros: Complex, poles: Complex, delay: float, samples: tuple[int, float] = (0, 1.0)
 ) -> Real:
-    roots = np.concatenate([zeros, poles])
-    signs = np.repeat([1.0, -1.0], [zeros.size, poles.size])
-    squares = _secular_roots(-(roots**2), weigh(signs, roots), constant)
+    """Return frequencies, among them all where the phase of Π(s − z)/Π(s − p)·e^(−s·delay) turns.
+
+    With `samples` (m, scale) there is a factor ((1 − s·scale)/(1 + s·scale))^m too: m poles at
+    −1/scale and as many zeros at 1/scale, which weigh alike.
+    """
+    roots, signs = _signed(zeros, poles)
+    count, scale = samples
+    if count:
+        roots, signs = np.append(roots, 1.0 / scale), np.append(signs, 2.0 * count)
+    return _turning_points(roots, signs * roots, delay)
+
+
+def _signed(zeros: Complex, poles: Complex) -> tuple[Complex, Real]:
+    return np.concatenate([zeros, poles]), np.repeat([1.0, -1.0], [zeros.size, poles.size])
+
+
+def _turning_points(roots: Complex, weights: Complex, constant: float) -> Real:
+    squares = _secular_roots(-(roots**2), weights, constant)
     # Across gaps too wide for eigenvalues to keep digits on both sides, any point within will do.
     sizes = np.unique(abs(roots[roots != 0]))
     wide = sizes[1:] > _WIDE * sizes[:-1]

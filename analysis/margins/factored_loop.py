@@ -19,23 +19,25 @@ DAMPING_FLOOR = 1e-10
 class FactoredLoop:
     """L = gain·Π(s − zeros)/Π(s − poles)·e^(−s·delay), in units of `scale` rad/s.
 
-    `closed` and `opposite` are the roots of 1 + L and 1 − L without the delay; `hidden` the modes
-    that no chain of coefficients joins to both input and output: they count in stability alone.
+    `closed` are the roots of 1 + L without the delay; `hidden` the modes that no chain of
+    coefficients joins to both input and output: they count in stability alone.
 
     A loop that is discrete in time, with a sampling time `dt` in seconds, is kept on the plane of
     w = (z − 1)/(z + 1), whose imaginary axis is the unit circle: with s = w all of this holds,
     and ω stands for (2/dt)·arctan(ω·scale) rad/s. The limit ω → ∞ is half the sampling frequency.
+    Whole `samples` of delay are a factor z^(−samples) = ((1 − w)/(1 + w))^samples of their own, so
+    that the longest is no polynomial; `closed` are the roots of 1 + L with it.
     """
 
     zeros: Complex
     poles: Complex
     gain: float
     closed: Complex
-    opposite: Complex
     hidden: Complex
     scale: float = 1.0
     delay: float = 0.0
     dt: float | None = None
+    samples: int = 0
 
     def radians(self, omega: Real) -> Real:
         """Return scaled frequencies in rad/s; at the limits 0, and inf or half the sampling's."""
@@ -59,7 +61,8 @@ class FactoredLoop:
     def phase(self, omega: Real) -> Real:
         """Return the continuous arg L(jω) in rad, with jumps of π only at roots on the axis."""
         turn = _arguments(omega, self.zeros) - _arguments(omega, self.poles)
-        return np.asarray(turn + (np.pi if self.gain < 0 else 0.0) - omega * self.delay)
+        lag = omega * self.delay + 2.0 * self.samples * np.arctan(omega * self.scale)
+        return np.asarray(turn + (np.pi if self.gain < 0 else 0.0) - lag)
 
     def values(self, omega: Real) -> Complex:
         """Return L(jω)."""

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from .factored_loop import Complex, FactoredLoop, Real
 from .imaginary_axis import set_on_axis
-from .w_plane import around_one, on_w_plane
+from .w_plane import around_one, on_w_plane, without_samples
 
 if TYPE_CHECKING:
     import control
@@ -39,12 +39,16 @@ def factored(
             "system has coefficients that are nan or inf; loop_margins takes finite ones: "
             "check the parameters it was built from"
         )
-    dt = float(system.dt) if system.isdtime(strict=True) else None
+    dt, samples = (float(system.dt) if system.isdtime(strict=True) else None), 0
     if dt is not None:
+        parts, samples = without_samples(*parts)
         parts = around_one(*parts)
     loop = _of_state_space(*parts) if len(parts) == 4 else _of_transfer_function(*parts)
+    if samples:
+        loop = replace(loop, closed=_closed_behind(parts, samples), samples=samples)
     # Behind a delay nothing of high frequency comes back at once.
-    if loop.zeros.size == loop.poles.size and not delay and abs(1 + loop.gain) <= _ILL_POSED:
+    direct = loop.zeros.size == loop.poles.size and not delay and not samples
+    if direct and abs(1 + loop.gain) <= _ILL_POSED:
         raise ValueError(
             f"1 + L(∞) = {1 + loop.gain:.3g}: the loop is ill-posed, its closed loop has no "
             "finite gain; L(∞) other than −1 is accepted: model the roll-off of the loop, or "
@@ -71,7 +75,7 @@ def _coefficients(system: Any) -> tuple[Real, ...]:
 def _scaled(loop: FactoredLoop) -> FactoredLoop:
     """Take the geometric mean of |roots| for the unit, and set roots beside the axis on it."""
     power = _mean_power(np.concatenate([loop.zeros, loop.poles, loop.closed]))
-    names = ("zeros", "poles", "closed", "opposite", "hidden")
+    names = ("zeros", "poles", "closed", "hidden")
     roots = {name: getattr(loop, name) * 2.0**-power for name in names}
     for name in ("zeros", "poles"):
         roots[name] = set_on_axis(roots[name][None])[0]
@@ -86,22 +90,55 @@ def _mean_power(roots: Complex) -> int:
 
 
 def _of_transfer_function(numerator: Real, denominator: Real) -> FactoredLoop:
-    sums = (np.polyadd(denominator, numerator), np.polysub(denominator, numerator))
-    roots = [np.roots(part).astype(complex) for part in (numerator, denominator, *sums)]
+    whole = np.polyadd(denominator, numerator)
+    roots = [np.roots(part).astype(complex) for part in (numerator, denominator, whole)]
     leading = [np.append(np.trim_zeros(part, "f"), 0.0)[0] for part in (numerator, denominator)]
     gain = float(leading[0] / leading[1])
-    return FactoredLoop(roots[0], roots[1], gain, roots[2], roots[3], np.empty(0, complex))
+    return FactoredLoop(roots[0], roots[1], gain, roots[2], np.empty(0, complex))
+
+
+def _closed_behind(parts: tuple[Real, ...], samples: int) -> Complex:
+    """Return the closed loop's roots in z − 1, the loop behind samples of delay.
+
+    They are the eigenvalues of loop and delay line, x the loop's states and p the past inputs:
+    x⁺ = A·x + b·p_m, p_1⁺ = −c·x − d·p_m and p_i⁺ = p_{i−1}, less one each.
+    """
+    a, b, c, d = parts if len(parts) == 4 else _companion(*parts)
+    kept = _passing(a, b, c)
+    a, b, c = _balanced(a[np.ix_(kept, kept)], b[kept], c[kept], d)
+    n = len(a)
+    whole = np.zeros((n + samples, n + samples))
+    whole[:n, :n], whole[:n, -1] = a, b
+    whole[n:, n:] = np.diag(np.ones(samples - 1), -1) - np.eye(samples)
+    whole[n, :n] -= c
+    whole[n, -1] -= d
+    return np.linalg.eigvals(whole).astype(complex)
+
+
+def _companion(numerator: Real, denominator: Real) -> tuple[Real, Real, Real, Real]:
+    """Return a state space (A, b, c, d) of a proper quotient."""
+    n = len(denominator) - 1
+    above = np.concatenate([np.zeros(n + 1 - len(numerator)), numerator]) / denominator[0]
+    below = denominator / denominator[0]
+    a = np.eye(n, k=-1)
+    a[:1] = -below[1:]
+    return a, np.eye(n, 1)[:, 0], above[1:] - above[0] * below[1:], above[0]
 
 
 def _of_state_space(a: Real, b: Real, c: Real, d: Real) -> FactoredLoop:
-    joined = _joined(a)
-    kept = (joined @ (b != 0)) & ((c != 0) @ joined)
+    kept = _passing(a, b, c)
     hidden = _eigenvalues(a[np.ix_(~kept, ~kept)])
     a, b, c = _balanced(a[np.ix_(kept, kept)], b[kept], c[kept], d)
     poles = _eigenvalues(a)
     zeros, gain = _refined((a, b, c, d), poles, *_invariant_zeros(a, b, c, d))
-    closed, opposite = (_invariant_zeros(a, b, sign * c, 1 + sign * d)[0] for sign in (1, -1))
-    return FactoredLoop(zeros, poles, gain, closed, opposite, hidden)
+    closed = _invariant_zeros(a, b, c, 1 + d)[0]
+    return FactoredLoop(zeros, poles, gain, closed, hidden)
+
+
+def _passing(a: Real, b: Real, c: Real) -> npt.NDArray[np.bool_]:
+    """Mask of the states that a chain of coefficients joins to both input and output."""
+    joined = _joined(a)
+    return np.asarray((joined @ (b != 0)) & ((c != 0) @ joined))
 
 
 def _joined(a: Any) -> npt.NDArray[np.bool_]:

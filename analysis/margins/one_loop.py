@@ -183,9 +183,9 @@ def _of_pieces(loop: FactoredLoop, pieces: OnePieces) -> LoopMargins:
 def _poles(loop: FactoredLoop, pieces: OnePieces, found: Passages) -> tuple[Complex, bool]:
     """Return closed-loop poles, and whether all are stable: those that are listed, at the least."""
     if not loop.delay:
-        return loop.closed_loop_poles(), is_stable(
-            np.concatenate([loop.closed, pieces.loops.loop.hidden])
-        )
+        listed = is_stable(np.concatenate([loop.closed, pieces.loops.loop.hidden]))
+        counted = not loop.samples or bool(is_stable_by_count(pieces)[0])
+        return loop.closed_loop_poles(), listed and counted
     crossovers = pieces.omega[pieces.crossing]
     poles = rightmost_poles(loop, 1j * np.concatenate([crossovers, found.omega[found.inside]]))
     return poles, bool(is_stable_by_count(pieces)[0]) and is_stable(poles)

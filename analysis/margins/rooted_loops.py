@@ -36,7 +36,7 @@ class Roots:
     signs : array
         1 for each zero and −1 for each pole among them.
     offset : float
-        Turns of what is neither s − z, s − p nor the delay.
+        Turns of what is neither s − z, s − p nor a delay.
     ends : tuple of float
         Frequencies below and above which L is its asymptote, every |L| = 1 between them.
     """
@@ -55,16 +55,18 @@ class Roots:
         self.ends = self._ends()
 
     def turned(self, omega: Real) -> Real:
-        """Return the turns of all s − z less those of all s − p.
+        """Return the turns of all s − z less those of all s − p, and those of the samples.
 
         Those of each are continuous; a root on the axis is passed on its right.
         """
         left = np.arctan2(omega[..., None] - self.all.imag, abs(self.all.real))
         angles = np.where(self.all.real > 0, np.pi - left, left)
-        return np.asarray(angles @ self.signs / _TURN)
+        lag = self.loop.samples / np.pi * np.arctan(omega * self.loop.scale)
+        return np.asarray(angles @ self.signs / _TURN - lag)
 
     def _ends(self) -> tuple[float, float]:
-        sizes = abs(np.concatenate([self.zeros, self.poles]))
+        lag = np.full(abs(self.loop.samples), 1.0 / self.loop.scale)
+        sizes = abs(np.concatenate([self.zeros, self.poles, lag]))
         corners = [
             float(np.exp(-level / slope))
             for level, slope in zip(self.levels, (self.power, self.rise), strict=True)
@@ -108,7 +110,8 @@ class RootedLoops:
         """Return 1/L."""
         loop = self.loop
         turned = replace(loop, zeros=loop.poles, poles=loop.zeros, gain=1.0 / loop.gain)
-        return RootedLoops(Roots(replace(turned, delay=-loop.delay)), self.count)
+        turned = replace(turned, delay=-loop.delay, samples=-loop.samples)
+        return RootedLoops(Roots(turned), self.count)
 
     @property
     def loop(self) -> FactoredLoop:
@@ -182,7 +185,7 @@ class RootedLoops:
         """Return ω, among them all where the gain turns, and where the phase does, (B, K)."""
         loop = self.loop
         gain = stationary_points(loop.zeros, loop.poles)
-        phase = phase_points(loop.zeros, loop.poles, loop.delay)
+        phase = phase_points(loop.zeros, loop.poles, loop.delay, (loop.samples, loop.scale))
         return self._rows(gain), self._rows(phase)
 
     def gain(self, omega: Real) -> Real:
@@ -201,8 +204,11 @@ class RootedLoops:
         """Return everything at (B, K) frequencies."""
         s = 1j * omega
         second: Any = -s * self.loop.delay
+        lag = s * self.loop.scale
+        lagging = -2.0 * self.loop.samples * lag / (1.0 - lag * lag)
         share = s[..., None] / (s[..., None] - self.roots.all)
-        first = self.roots.power + second + share @ self.roots.signs
+        first = self.roots.power + second + lagging + share @ self.roots.signs
+        second = second + lagging * (1.0 + lag * lag) / (1.0 - lag * lag)
         second = second + (share * (1.0 - share)) @ self.roots.signs
         return Slopes(*self.gain_and_turns(omega), first, second)
 

@@ -23,6 +23,37 @@ def around_one(*parts: Any) -> tuple[Real, ...]:
     return tuple(_shifted(polynomial) for polynomial in parts)
 
 
+def without_samples(*parts: Any) -> tuple[tuple[Real, ...], int]:
+    """Return a system in z without the whole samples of delay at its input, and how many.
+
+    L(z) = z^(−m)·L'(z): in (A, b, c, d) the input enters one state alone, which hands it on and
+    follows nothing else; of two polynomials the denominator has m roots at z = 0.
+    """
+    if len(parts) == 2:
+        return _without_roots_at_zero(*parts)
+    (a, b, c, d), count = parts, 0
+    while d == 0.0 and np.count_nonzero(b) == 1:
+        [[line]] = np.nonzero(b)
+        if a[line].any():
+            break
+        others = np.arange(len(a)) != line
+        a, b, c, d = (
+            a[np.ix_(others, others)],
+            b[line] * a[others, line],
+            c[others],
+            b[line] * c[line],
+        )
+        count += 1
+    return (a, b, c, d), count
+
+
+def _without_roots_at_zero(numerator: Real, denominator: Real) -> tuple[tuple[Real, ...], int]:
+    above, below = np.trim_zeros(numerator, "f"), np.trim_zeros(denominator, "f")
+    rooted = len(below) - len(np.trim_zeros(below, "b"))
+    count = max(min(rooted, len(below) - len(above)), 0)
+    return (numerator, below[: len(below) - count]), count
+
+
 def _shifted(polynomial: Real) -> Real:
     """Return the coefficients of p(1 + x), those that are nothing but rounding set to 0."""
     shifted, sizes = polynomial.copy(), abs(polynomial)
@@ -50,16 +81,16 @@ def on_w_plane(loop: FactoredLoop, dt: float) -> FactoredLoop:
         )
     zeros, zeros_factor = _mapped(loop.zeros, order)
     poles, poles_factor = _mapped(loop.poles, order)
-    closed, hidden = _mapped(loop.closed, order)[0], _mapped(loop.hidden, loop.hidden.size)[0]
+    whole = order + loop.samples
+    closed, hidden = _mapped(loop.closed, whole)[0], _mapped(loop.hidden, loop.hidden.size)[0]
     # A pole at z = −1 has no finite w.
-    lost = np.full(order - closed.size + loop.hidden.size - hidden.size, 1j * HIGHEST)
+    lost = np.full(whole - closed.size + loop.hidden.size - hidden.size, 1j * HIGHEST)
     return replace(
         loop,
         zeros=zeros,
         poles=poles,
         gain=float((loop.gain * zeros_factor / poles_factor).real),
         closed=closed,
-        opposite=_mapped(loop.opposite, order)[0],
         hidden=np.concatenate([hidden, lost]),
         dt=dt,
     )

@@ -16,7 +16,7 @@ NONE = np.empty(0, complex)
 
 def loop_of(zeros, poles, gain=1.0, delay=0.0):
     roots = np.array(zeros, complex), np.array(poles, complex)
-    return FactoredLoop(*roots, gain, NONE, NONE, NONE, delay=delay)
+    return FactoredLoop(*roots, gain, NONE, NONE, delay=delay)
 
 
 def random_roots(rng, count):
