@@ -70,9 +70,9 @@ class MoveSurvey(Frozen):
     """A move, shaped, filtered and run through the loop.
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ
-    varied either way. `settling_time_s`, `peak_error` and `peak_torque` are those of the loop
-    as it is, with its feedforward. `residual_vibration` maps the name of a mode
-    to the amplitude, at the end of the shaped command, of what the command alone, without a
+    varied either way; `configured` is that of the loop as it is, with its feedforward, and
+    `configured.load_settling_time_s` one of its figures. `residual_vibration` maps the name of a
+    mode to the amplitude, at the end of the shaped command, of what the command alone, without a
     loop, leaves ringing in it.
     """
 

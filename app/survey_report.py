@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..analysis.disturbed import total_of
-from ..analysis.margins.result import shown_intervals
+from ..analysis.margins.result import in_samples, shown_intervals
 from .tables import WideTable, plain_table
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def _margins_table(survey: Survey) -> Table:
             table.add_row(name, _shown(peak.value / scale, unit), hz)
     table.add_row("stable at gain times", shown_intervals(margins.stabilizing_gains), "")
     delays = shown_intervals(margins.stabilizing_delays_s)
-    table.add_row("stable with added delay [s]", delays, "")
+    table.add_row(f"stable with added delay [s{in_samples(margins)}]", delays, "")
     return table
 
 

@@ -380,4 +380,4 @@ def _registry() -> "UnitRegistry[Any]":
 
 
 def _words(symbol: str) -> str:
-    return "".join(f" = {word}" for word in (symbol, *UNITS[symbol].words))
+    return "".join(f" = {word}" for word in ("_", *UNITS[symbol].words))

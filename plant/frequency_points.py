@@ -24,7 +24,7 @@ def frequency_points(
     """Return frequencies in rad/s, ascending, from far below to far above those of a loop.
 
     Those of its poles and zeros and of the delay count; of a discrete loop they end at half the
-    sampling frequency.
+    sampling frequency. Undamped ones are passed close by on both sides: there G is 0 or infinite.
     """
     poles, zeros = _roots(system)
     farthest = _FARTHEST * abs(poles).max(initial=0.0) or np.inf
@@ -44,8 +44,9 @@ def frequency_points(
     count = max(2, int(_PER_DECADE * np.log10(top / bottom)))
     points = [np.geomspace(bottom, top, count)]
     for root in roots[(roots.imag > 0.0) & (abs(roots.real) < _LIGHT * abs(roots))]:
-        width = max(abs(root.real), 1e-6 * abs(root))
-        points.append(root.imag + width * _BESIDE)
+        least_width = 1e-6 * abs(root)
+        around = root.imag + max(abs(root.real), least_width) * _BESIDE
+        points.append(around if abs(root.real) > least_width else around[_BESIDE != 0.0])
     omega = np.unique(np.concatenate(points))
     return np.asarray(omega[(omega >= bottom) & (omega <= top)])
 

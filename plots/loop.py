@@ -121,11 +121,13 @@ def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
     ax.axhline(1.0, color=GREY, linewidth=0.8)
     ax.axhspan(0.98, 1.02, color=GREY, alpha=0.2, label="±2 %")
     ax.plot(step.peak_time_s, 1.0 + step.overshoot_percent / 100.0, "o", color=ORANGE)
+    late = step.peak_time_s > 0.6 * step.time[shown][-1]
     ax.annotate(
         f"overshoot {step.overshoot_percent:.2f} %",
         (step.peak_time_s, 1.0 + step.overshoot_percent / 100.0),
-        xytext=(10, -3),
+        xytext=(0, -18) if late else (10, -3),
         textcoords="offset points",
+        ha="right" if late else "left",
         color=ORANGE,
     )
     label = f"settled at {step.settling_time_s:.3g} s"

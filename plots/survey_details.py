@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from ..analysis.disturbed import total_of
 from ..analysis.frequency_view import residual_vibration
@@ -23,6 +24,7 @@ _COLORS = (BLUE, ORANGE, GREEN, PURPLE, RED)
 _MOST = 5
 _COLUMNS = 3
 _LEAST = 1e-9  # of the distance: less is rounding
+_FEWEST_BARS = 4  # for which there is room: fewer are as thin
 
 
 def plot_survey_details(survey: Survey, *, figure: Figure | None = None) -> Figure:
@@ -90,6 +92,7 @@ def plot_command_spectra(survey: Survey, *, ax: Axes) -> Axes:
             va="bottom",
             color=GREY,
             fontsize=8,
+            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5},
         )
     ax.legend(loc="upper right", title="dotted: tolerance", fontsize=9)
     title = "What commands alone excite (open loop, undamped)"
@@ -129,6 +132,7 @@ def plot_noise_gain(survey: Survey, *, ax: Axes) -> Axes:
         ax.legend(loc="best")
     else:
         ax.text(0.5, 0.5, "grows for ever: a pure derivative", ha="center", transform=ax.transAxes)
+        ax.set(xticks=[], yticks=[])
     return finish(ax, "Gain of measurement noise CS", "frequency [Hz]", f"|CS| [{unit}]")
 
 
@@ -183,8 +187,9 @@ def plot_budget(survey: Survey, *, ax: Axes) -> Axes:
     least = min([load / scale for _, load, _ in bars if load > 0.0], default=largest)
     if any(load > 0.0 for _, load, _ in bars):
         ax.set_xscale("log")
-    ax.set_xlim(0.2 * least, 5.0 * largest)
-    ax.invert_yaxis()
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlim(10.0 ** floor(log10(0.5 * least)), 10.0 ** ceil(log10(3.0 * largest)))
+    ax.set_ylim(max(len(bars), _FEWEST_BARS) - 0.5, -0.5)
     return finish(ax, "Errors of the load by source", f"error [{unit}]", "")
 
 

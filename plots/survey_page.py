@@ -61,7 +61,7 @@ def plot_open_loop(survey: Survey, *, ax: Axes) -> Axes:
             label = f"gain may {name} by {abs(level):.3g} dB"
             ax.plot([at, at], [0.0, level], "-o", color=color, markersize=4, label=label)
     ax.set_ylim(max(float(gain.min()), -80.0) - 5.0, min(float(gain.max()), 80.0) + 5.0)
-    ax.legend(loc="upper right")
+    ax.legend(loc="lower left")
     return finish(ax, f"Open loop{_linear(survey)}", "frequency [Hz]", "|L| [dB]")
 
 

@@ -149,18 +149,27 @@ def _line(name: str, value: float, unit: str, hz: float) -> str:
 def shown_intervals(intervals: tuple[tuple[float, float], ...]) -> str:
     """Return intervals for reading, the first three of many."""
     shown = [
-        f"above {low:.4g}" if math.isinf(high) else f"{low:.4g} to {high:.4g}"
+        f"above {low:.4g}"
+        if math.isinf(high)
+        else f"{low:.4g} to {high:.4g}"
+        if high > low
+        else f"{low:.4g} only"
         for low, high in intervals[:3]
     ]
     left = len(intervals) - len(shown)
     return ", ".join(shown + [f"{left} more"] * (left > 0)) or "none"
 
 
+def in_samples(margins: LoopMargins) -> str:
+    """Return what a heading adds where added delays are whole samples."""
+    return "" if margins.dt is None else ", whole samples"
+
+
 def _stabilizing_lines(margins: LoopMargins) -> list[str]:
     gains, delays = margins.stabilizing_gains, margins.stabilizing_delays_s
     return [
         f"stable at gain times {shown_intervals(gains)}",
-        f"stable with added delay (s): {shown_intervals(delays)}",
+        f"stable with added delay (s{in_samples(margins)}): {shown_intervals(delays)}",
     ]
 
 

@@ -3,6 +3,7 @@
 import cmath
 from math import degrees, log10, pi
 
+import control
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -17,6 +18,7 @@ from jounce.plant import (
     ServoLoop,
     design_pid,
 )
+from jounce.plant.frequency_points import frequency_points
 
 ASKED = {"crossover_hz": 2.0, "phase_margin_deg": 45.0, "lower_gain_margin_db": 12.0}
 
@@ -110,3 +112,30 @@ def test_a_mode_that_the_load_sees_is_refused_without_a_notch():
     axis = FlexibleInertia(2.0, frequency_hz=20.0, damping=0.01, load_fraction=0.4, sensor="load")
     with pytest.raises(ValueError, match="are out of reach: the gains that meet all three give"):
         design_pid(axis, **ASKED, delay=1e-3)
+
+
+@pytest.mark.parametrize("hz", [3.0, 6.0, 50.0])
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_an_undamped_mode_is_no_obstacle(hz, share):
+    """The motor sees 1/(J·s²)·(s² + ω_a²)/(s²·(1 − λ) + ω_a²), poles and zeros on the axis."""
+    axis = Axis(3.0, modes=[FlexibleMode(hz, load_fraction=share, held=True)])
+    gains = design_pid(axis, **ASKED)
+
+    def loop(w):
+        s, held = 1j * w, (2 * pi * hz) ** 2
+        plant = (s * s + held) / (3.0 * s * s * ((1 - share) * s * s + held))
+        return plant * (gains.kp + gains.ki / s + gains.kr * s)
+
+    assert margins_of(loop, 2 * pi * 2.0) == pytest.approx((1.0, 45.0, 12.0), rel=1e-9)
+
+
+def test_a_loop_is_looked_at_beside_its_undamped_roots_not_at_them():
+    system = control.tf([1.0, 0.0, 9.0], [1.0, 0.0, 25.0, 0.0, 0.0])
+    omega = frequency_points(system, 0.0)
+    values = system(1j * omega)
+    assert np.isfinite(values).all()
+    assert (values != 0.0).all()
+    for root in (3.0, 5.0):
+        beside = omega - root
+        assert 0.0 < beside[beside > 0.0].min() < 1e-5
+        assert 0.0 < -beside[beside < 0.0].max() < 1e-5

@@ -9,8 +9,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from real_loops import ARCSEC, AXIS, GAINS, LABELS, SMOOTH, J, move, real_survey
 
-from jounce.analysis import survey
-from jounce.plant import InertiaFeedforward, ServoLoop
+from jounce.analysis import Labels, Move, survey
+from jounce.plant import (
+    PID,
+    Axis,
+    CascadedPI,
+    Controller,
+    FlexibleMode,
+    InertiaFeedforward,
+    ServoLoop,
+)
 from jounce.plots import plot_loop_response, plot_survey, plot_survey_details
 
 
@@ -109,3 +117,47 @@ def test_a_response_draws_itself():
     figure = real_survey().moves[0].configured.response.plot(tolerance=1e-6)
     assert [ax.get_ylabel() for ax in figure.axes] == ["position", "error", "torque"]
     plt.close(figure)
+
+
+def stiff_survey():
+    """Return the survey of a crane: |L| has a peak well above 0 dB, and the step no overshoot."""
+    pendulum = FlexibleMode(0.3, 0.003, load_fraction=0.7, held=True)
+    axis = Axis(8000.0, modes=[pendulum], viscous=500.0, encoder_step=1e-4)
+    controller = Controller(CascadedPI(1.5, 60e3), sample_time=0.02, delay=0.02)
+    there = Move(
+        name="there", distance=10.0, bounds=(1.2, 0.3, 1.0), limits_name="axis", settle_to=0.02
+    )
+    return survey(ServoLoop(axis, controller), [there], labels=Labels("Crane", "length", "m", 1.0))
+
+
+def test_the_legend_of_the_open_loop_hides_no_curve():
+    open_loop = plot_survey(stiff_survey(), figure=Figure()).axes[0]
+    FigureCanvasAgg(open_loop.figure).draw()
+    box = open_loop.get_legend().get_window_extent()
+    for line in open_loop.get_lines():
+        if len(line.get_xdata()) != 2:
+            points = open_loop.transData.transform(line.get_xydata())
+            assert not any(box.contains(*point) for point in points)
+
+
+def test_a_step_that_peaks_late_is_labelled_inside_its_panel():
+    loop = ServoLoop(Axis(1.0), Controller(PID(1.0, 0.0, 8.0), sample_time=0.01))
+    details = plot_survey_details(survey(loop, [], labels=LABELS), figure=Figure())
+    [step] = [ax for ax in details.axes if ax.get_title().startswith("Unit step")]
+    FigureCanvasAgg(details).draw()
+    [label] = step.texts
+    inside, box = step.get_window_extent(), label.get_window_extent()
+    assert inside.x0 < box.x0
+    assert box.x1 < inside.x1
+
+
+def test_few_sources_of_error_are_thin_bars_over_whole_decades():
+    details = plot_survey_details(stiff_survey(), figure=Figure())
+    [budget] = [ax for ax in details.axes if ax.get_title() == "Errors of the load by source"]
+    FigureCanvasAgg(details).draw()
+    assert not any(label.get_text() for label in budget.get_xticklabels(minor=True))
+    low, high = np.log10(budget.get_xlim())
+    assert high - low >= 1.0
+    assert (low, high) == pytest.approx((round(low), round(high)))
+    bottom, top = budget.get_ylim()
+    assert bottom - top >= 4.0 * budget.patches[0].get_height()

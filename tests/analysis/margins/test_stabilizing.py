@@ -240,3 +240,10 @@ def test_intervals_are_told_and_become_plain_data():
     assert margins.stabilizing_gains == ((pytest.approx(38 / 28), math.inf),)
     assert "stable at gain times above 1.357\nstable with added delay (s): none" in str(margins)
     assert json.loads(json.dumps(margins.as_dict()))["stabilizing_gains"][0][1] is None
+
+
+def test_added_delays_of_a_sampled_loop_are_told_as_whole_samples():
+    """k/(z − 1)·z^(−n) is stable for k < 2·sin(π/(4n + 2)): for k = 0.7 up to n = 1, 1.2 n = 0."""
+    for gain, told in ((0.7, "0 to 0.5"), (1.2, "0 only")):
+        margins = loop_margins(control.tf([gain], [1.0, -1.0], 0.5))
+        assert f"stable with added delay (s, whole samples): {told}" in str(margins)
