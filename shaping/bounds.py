@@ -15,10 +15,15 @@ Side = float | FloatArray
 """A lower or an upper bound: of one problem, or of many."""
 
 Bound = float | tuple[ArrayLike, ArrayLike] | list[float] | NDArray[np.floating]
-"""A positive number (bound on the magnitude), a pair lower < 0 < upper, or an array of either."""
+"""A positive number (bound on the magnitude), a pair lower ≤ 0 ≤ upper, or an array of either."""
+
+PositionBound = tuple[ArrayLike, ArrayLike] | list[float] | NDArray[np.floating]
+"""A pair lower < upper, or an array (m, 2) of pairs."""
+
+FREE = -inf, inf
 
 _EXPECTED = (
-    "expected a positive number or a pair, a tuple or list (lower, upper) with lower < 0 < upper, "
+    "expected a positive number or a pair, a tuple or list (lower, upper) with lower ≤ 0 ≤ upper, "
     "or for many problems an array (m,) of positive numbers or (m, 2) of pairs"
 )
 
@@ -51,6 +56,49 @@ def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
     return None if low is None else _side(low), _side(high)
 
 
+def position_sides(bound: PositionBound | None) -> tuple[Side, Side]:
+    """Return the bounds on position as (lower, upper), checked; arrays are read-only copies.
+
+    Raises
+    ------
+    ValueError
+        For a pair of which the first is not below the second.
+    TypeError
+        For anything else than a pair, or an array of pairs.
+    """
+    if bound is None:
+        return FREE
+    expected = "expected a pair (lower, upper) with lower < upper, or an array (m, 2) of pairs"
+    try:
+        if isinstance(bound, tuple | list) and len(bound) == 2:
+            low, high = (np.array(real_array("bound", side)) for side in bound)
+        else:
+            pairs = real_array("bound", bound)
+            if isinstance(bound, tuple | list) or pairs.ndim < 2 or pairs.shape[-1] != 2:
+                raise TypeError
+            low, high = pairs[..., 0].copy(), pairs[..., 1].copy()
+        right = np.asarray(low < high)
+    except TypeError:
+        told = f"position limit {shown(bound)}: {expected}"
+        raise TypeError(told + _remedy_of_kind(bound)) from None
+    except ValueError:
+        raise ValueError(f"position limit {shown(bound)}: {expected}") from None
+    if not right.all():
+        problem = tuple(np.argwhere(~right)[0].tolist())
+        lower, upper = (float(np.broadcast_to(side, right.shape)[problem]) for side in (low, high))
+        where = f" of problem {', '.join(map(str, problem))}" if problem else ""
+        raise ValueError(
+            f"position limit {(lower, upper)!r}{where}: {expected}; leave it out where there is "
+            "none, and write -inf or inf for a side without a bound"
+        )
+    return _side(low), _side(high)
+
+
+def has_zero_side(pairs: list[tuple[Side, Side]]) -> bool:
+    """Tell whether some bound is zero on one side."""
+    return any(bool(np.any(np.equal(side, 0.0))) for pair in pairs for side in pair)
+
+
 def _sides_of_array(bounds: FloatArray) -> tuple[FloatArray | None, FloatArray]:
     if bounds.ndim > 1 and bounds.shape[-1] == 2:
         return bounds[..., 0].copy(), bounds[..., 1].copy()
@@ -76,7 +124,7 @@ def _check_around_zero(given: Bound, low: FloatArray | None, high: FloatArray, k
     name = derivative_name(k)
     try:
         right = np.asarray(high > 0.0)
-        right = right if low is None else right & (low < 0.0)
+        right = right if low is None else (high >= 0.0) & (low <= 0.0) & (low < high)
     except ValueError:
         raise ValueError(
             f"{name} limit: arrays of shapes {getattr(low, 'shape', ())} and {high.shape} "

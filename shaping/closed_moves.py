@@ -12,7 +12,7 @@ from .. import core
 from .checks import finite, range_error
 from .closed_form import fastest_form
 from .derivatives import derivative_name
-from .limits import Limits, check_both_sides, of_one, one_sided
+from .limits import Limits, check_both_sides, check_plain, of_one, one_sided
 from .move_units import are_ordinary, in_own_units
 from .rise import to_trajectory
 from .trajectory import Trajectory, point, within_range
@@ -47,6 +47,7 @@ def check_move_limits(limits: Limits) -> None:
             "drop the highest bounds or use perfect_spline"
         )
     check_both_sides(limits)
+    check_plain(limits)
 
 
 def planned(

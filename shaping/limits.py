@@ -1,4 +1,4 @@
-"""Limits: bounds on velocity, acceleration, jerk and any higher derivative, of one or of many."""
+"""Limits: bounds on position, velocity, acceleration, jerk, …, of one motion or of many."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import core
-from .bounds import Bound, Side, sides_of
+from .bounds import FREE, Bound, PositionBound, Side, has_zero_side, position_sides, sides_of
 from .checks import entries
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
@@ -21,30 +21,41 @@ from .real_numbers import shown
 
 @dataclass(frozen=True, init=False, repr=False)
 class Limits(Frozen):
-    """Bounds lower_k ≤ x^(k)(t) ≤ upper_k on the derivatives k = 1, 2, … of position.
+    """Bounds lower_k ≤ x^(k)(t) ≤ upper_k on the derivatives k = 1, 2, … of position, and on it.
 
     Parameters
     ----------
     velocity, acceleration, jerk, snap, crackle, pop : number, pair or array, optional
         A positive number bounds the magnitude; a tuple or list (lower, upper) with
-        lower < 0 < upper bounds the two directions apart. For many problems, an array (m,) is m
+        lower ≤ 0 ≤ upper bounds the two directions apart: (0, 20) allows for no turning back.
+        The highest one given needs lower < 0 < upper. For many problems, an array (m,) is m
         bounds on the magnitude, also where m is 2, and an array (m, 2) is m pairs, as is any of
         two or more dimensions whose last is 2. The sides of a pair may be arrays, too: then it
         is one pair for each problem. Shapes of problems broadcast with one another, (50, 1) with
         (60,), as in numpy. Left out, None or infinite means unbounded.
         Units are the caller's: any consistent distance and time unit.
+    position : pair or array of pairs, optional
+        Any lower < upper, such as the hard stops of a stage.
 
     Attributes
     ----------
     lower, upper : tuple of float
         Bounds by derivative, velocity first; the last one is finite on at least one side. Where
         a bound was given as an array, it is a read-only array of its problems.
+    position : (float, float)
+        Bounds on position, arrays likewise; infinite where there are none.
 
     Raises
     ------
     ValueError
-        For a bound that is not positive, a pair that does not enclose zero, a NaN, no bound at
-        all, or arrays that do not fit.
+        For a bound that is not positive, a pair that does not enclose zero, one of positions
+        that does not increase, a NaN, no bound on a derivative, or arrays that do not fit.
+
+    Notes
+    -----
+    `min_time_move`, `min_time_transfer` and what tells of one motion (`certify`,
+    `binding_limits`, `violation`) take bounds on position and bounds that are zero on a side;
+    everything else takes neither and says so.
     TypeError
         For a bound that is not a number, a pair of numbers, or an array of them.
 
@@ -61,6 +72,7 @@ class Limits(Frozen):
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
+    position: tuple[float, float]
 
     def __init__(
         self,
@@ -70,8 +82,13 @@ class Limits(Frozen):
         snap: Bound | None = None,
         crackle: Bound | None = None,
         pop: Bound | None = None,
+        *,
+        position: PositionBound | None = None,
     ) -> None:
-        known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
+        self.__dict__["position"] = FREE if position is None else position_sides(position)
+        known = None
+        if position is None:
+            known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
         if known is None:
             self._set((velocity, acceleration, jerk, snap, crackle, pop))
         else:  # at once: it is half of the time that a move takes
@@ -79,7 +96,9 @@ class Limits(Frozen):
             fields["lower"], fields["upper"], fields["flat"] = known
 
     @classmethod
-    def from_bounds(cls, bounds: Iterable[Bound | None]) -> Limits:
+    def from_bounds(
+        cls, bounds: Iterable[Bound | None], *, position: PositionBound | None = None
+    ) -> Limits:
         """Return limits of any order from bounds listed velocity first.
 
         Parameters
@@ -87,14 +106,17 @@ class Limits(Frozen):
         bounds : iterable of number, pair, array or None
             Bound on derivative 1, 2, 3, …; as in `Limits`. An array gives its rows: (n,) numbers,
             (n, 2) pairs, (n, m) or (n, m, 2) those of m problems.
+        position : pair or array of pairs, optional
+            As in `Limits`.
         """
         limits = object.__new__(cls)
+        limits.__dict__["position"] = position_sides(position)
         limits._set(tuple(entries("bounds", bounds)))
         return limits
 
     def _set(self, bounds: tuple[Bound | None, ...]) -> None:
         known = core.bounds(*bounds)
-        if known is not None:
+        if known is not None and not self.bounds_position:
             fields = self.__dict__  # the way around `frozen`
             fields["lower"], fields["upper"], fields["flat"] = known
             return
@@ -104,6 +126,7 @@ class Limits(Frozen):
         if not pairs:
             raise ValueError("no limits given: bound at least one derivative, e.g. acceleration=1")
         self._take(pairs)
+        _check_highest(self)
         try:
             self.shape  # noqa: B018  (which does not exist where arrays do not fit)
         except ValueError:
@@ -127,7 +150,7 @@ class Limits(Frozen):
 
     @property
     def _shapes(self) -> list[tuple[int, ...]]:
-        both = (*self.upper, *self.__dict__.get("lower", ()))
+        both = (*self.position, *self.upper, *self.__dict__.get("lower", ()))
         return [side.shape for side in both if isinstance(side, np.ndarray)]
 
     @property
@@ -143,15 +166,19 @@ class Limits(Frozen):
 
     @cached_property
     def flat(self) -> tuple[float, ...]:
-        """Lower and upper bound of each derivative in turn, velocity first."""
+        """Lower and upper bound of each derivative in turn, velocity first; for the core.
+
+        ValueError where position is bounded, or a bound zero on a side.
+        """
+        check_plain(self)
         return tuple(side for pair in zip(self.lower, self.upper, strict=True) for side in pair)
 
     @cached_property
     def symmetric(self) -> bool:
         """Whether every bound is the same in both directions."""
-        if "lower" not in self.__dict__:
+        if "lower" not in self.__dict__ and not self.bounds_position:
             return True
-        pairs = zip(self.lower, self.upper, strict=True)
+        pairs = [self.position, *zip(self.lower, self.upper, strict=True)]
         return all(bool(np.all(np.negative(low) == high)) for low, high in pairs)
 
     @cached_property
@@ -165,17 +192,31 @@ class Limits(Frozen):
         right = np.isfinite(self.upper[-1])
         return right if self.symmetric else right & np.isfinite(self.lower[-1])
 
+    @cached_property
+    def bounds_position(self) -> bool:
+        """Whether there is a bound on position, on either side."""
+        return not all(bool(np.all(np.isinf(side))) for side in self.position)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether position is free, and no bound zero on a side."""
+        return not self.bounds_position and not has_zero_side(
+            list(zip(self.lower, self.upper, strict=True))
+        )
+
     def bounds(self, derivative: int | str) -> tuple[float, float]:
-        """Return (lower, upper) of a derivative given by number ≥ 1 or name."""
+        """Return (lower, upper) of position or a derivative, given by number or name."""
         k = derivative_number(derivative)
         if k == 0:
-            raise ValueError("position has no limit here: derivatives count from 1 (velocity)")
+            return self.position
         return (self.lower[k - 1], self.upper[k - 1]) if k <= self.order else (-inf, inf)
 
     def mirror(self) -> Limits:
         """Return the limits of the motion in the opposite direction."""
+        low, high = self.position
         return Limits.from_bounds(
-            (-high, -low) for low, high in zip(self.lower, self.upper, strict=True)
+            ((-high, -low) for low, high in zip(self.lower, self.upper, strict=True)),
+            position=(-high, -low),
         )
 
     def each(self, pick: Callable[[FloatArray], Any]) -> Limits:
@@ -190,7 +231,9 @@ class Limits(Frozen):
 
         limits = object.__new__(Limits)
         upper = tuple(map(picked, self.upper))
-        if self.symmetric:
+        low, high = map(picked, self.position)
+        limits.__dict__["position"] = (low, high)
+        if "lower" not in self.__dict__ or self.symmetric:
             limits._take([(None, high) for high in upper])
         else:
             limits._take(list(zip(map(picked, self.lower), upper, strict=True)))
@@ -198,7 +241,7 @@ class Limits(Frozen):
 
     @property
     def _key(self) -> tuple[Any, ...]:
-        sides = (*self.lower, *self.upper)
+        sides = (*self.position, *self.lower, *self.upper)
         return tuple((s.shape, s.tobytes()) if isinstance(s, np.ndarray) else s for s in sides)
 
     def __eq__(self, other: object) -> bool:
@@ -209,9 +252,12 @@ class Limits(Frozen):
 
     def __repr__(self) -> str:
         told = [_told(low, high) for low, high in zip(self.lower, self.upper, strict=True)]
+        position = _told(*self.position)
+        position = "None" if position == "None" else f"({', '.join(map(shown, self.position))})"
         if self.order > 6:
-            return f"Limits.from_bounds([{', '.join(told)}])"
-        named = (f"{derivative_name(k)}={bound}" for k, bound in enumerate(told, start=1))
+            last = "" if position == "None" else f", position={position}"
+            return f"Limits.from_bounds([{', '.join(told)}]{last})"
+        named = [f"{derivative_name(k)}={bound}" for k, bound in enumerate((position, *told))]
         return f"Limits({', '.join(text for text in named if not text.endswith('=None'))})"
 
 
@@ -225,6 +271,28 @@ def of_one(limits: object) -> Limits:
             "min_time_moves and min_time_transfers take arrays"
         )
     return limits
+
+
+def check_plain(limits: Limits) -> None:
+    """Refuse bounds on position, and bounds that are zero on a side."""
+    if limits.plain:
+        return
+    what = "bound on position" if limits.bounds_position else "bound that is zero on one side"
+    raise ValueError(
+        f"limits = {shown(limits)} have a {what}: only min_time_move and min_time_transfer plan "
+        "with one; leave it out here"
+    )
+
+
+def _check_highest(limits: Limits) -> None:
+    """Refuse a highest derivative that cannot change its sign."""
+    low, high = limits.lower[-1], limits.upper[-1]
+    if has_zero_side([(low, high)]):
+        raise ValueError(
+            f"{derivative_name(limits.order)} limit {_told(low, high)}: the highest derivative "
+            "that is bounded must be free to take both signs; expected a positive number or a "
+            "pair (lower, upper) with lower < 0 < upper"
+        )
 
 
 def not_limits(limits: object) -> TypeError:

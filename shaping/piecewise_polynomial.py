@@ -220,14 +220,19 @@ class PiecewisePolynomial(Frozen):
     def violation(self, limits: Limits) -> float:
         """Return the largest relative excess over the limits, 0.0 where all are kept.
 
-        Excess of derivative k is max|x^(k)| / bound − 1, the bound on the side in question; a
-        derivative that jumps (beyond n, or where a lower one is discontinuous) is not seen.
+        Excess of derivative k is max|x^(k)| / bound − 1, the bound on the side in question; of
+        one that is zero it is in units of the other side, or of the peak where that is infinite,
+        and of position in units of its range, or of that of the motion. A derivative that jumps
+        (beyond n, or where a lower one is discontinuous) is not seen.
         """
         excess = 0.0
-        for k in range(1, of_one(limits).order + 1):
+        for k in range(0 if of_one(limits).bounds_position else 1, limits.order + 1):
             low, high = self.extremes(k)
             lower, upper = limits.bounds(k)
-            excess = max(excess, high / upper - 1.0, low / lower - 1.0)
+            if lower < 0.0 < upper and k:
+                excess = max(excess, high / upper - 1.0, low / lower - 1.0)
+            elif low < lower or high > upper:
+                excess = max(excess, _beyond(low, high, lower, upper))
         return excess
 
     def coasting_in(self) -> tuple[float, float]:
@@ -267,6 +272,12 @@ class PiecewisePolynomial(Frozen):
             np.ascontiguousarray, (self.breaks, self.states, self.durations, self.end_state)
         )
         return core.Pieces(breaks, states, durations, end, self.coasting)
+
+
+def _beyond(low: float, high: float, lower: float, upper: float) -> float:
+    """Return the excess over bounds in units of their range, or where it is none of the values'."""
+    units = upper - lower if np.isfinite(upper - lower) else max(high - low, abs(low), abs(high))
+    return max(high - upper, lower - low) / units
 
 
 def _run_out(states: FloatArray, durations: FloatArray) -> FloatArray:

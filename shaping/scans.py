@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .checks import finite, positive, whole
-from .limits import Limits, of_one
+from .limits import Limits, check_plain, of_one
 from .moves import min_time_move
 from .pieces import FloatArray, advance
 from .trajectory import Planned, Trajectory, as_trajectory
@@ -80,6 +80,7 @@ def scan_move(
         raise ValueError("length = 0.0: a line has no length; give one, or use min_time_move")
     if of_one(limits).order < 2:
         raise ValueError("limits of order 1: a change of velocity takes a bound on acceleration")
+    check_plain(limits)
     rate = speed if length > 0.0 else -speed
     for way in (rate, -rate)[:count]:
         _check_reached(way, limits)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import CommandFollower, Limits
 from ...shaping.checks import whole
-from ...shaping.limits import of_one
+from ...shaping.limits import check_plain, of_one
 from ...shaping.real_numbers import shown
 from ...shaping.trajectory_checks import finite_array
 from ...shaping.transfers.problem import check_order
@@ -116,6 +116,7 @@ def _whole_periods(
 
 def _in_units_of_the_sine(limits: Limits, amplitude: FloatArray, omega: FloatArray) -> FloatArray:
     """Return L_k/(A·ω^k), (order, …)."""
+    check_plain(limits)
     if not limits.symmetric:
         raise ValueError(
             f"{limits!r}: expected the same bounds in both directions; with others the output "

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...shaping import Limits
 from ...shaping.checks import finite, of_kind, positive
-from ...shaping.limits import of_one
+from ...shaping.limits import check_plain, of_one
 from .bands import RESOLVED, Band, extent, joint_band, upper_end_holds
 from .fit import fit_spline
 from .readings import FEWEST, checked_log, found_resolution, merged, parts
@@ -109,6 +109,7 @@ def conformance(
     ['kept', 'broken', 'cannot tell']
     """
     of_one(of_kind("limits", limits, Limits, "Limits, such as Limits(velocity=2.0)"))
+    check_plain(limits)
     time, position = checked_log(times, positions)
     given = found_resolution(position) if resolution is None else positive("resolution", resolution)
     if not given and not np.ptp(position):

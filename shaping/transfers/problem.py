@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ... import core
 from ..checks import finite, range_error, state_numbers
 from ..derivatives import derivative_name
-from ..limits import Limits, check_both_sides, of_one
+from ..limits import Limits, check_both_sides, check_plain, of_one
 from ..real_numbers import shown
 from ..trajectory import Planned, Trajectory, as_trajectory
 from .infeasible import check_end, inside, unreachable
@@ -105,6 +105,7 @@ def check_orders(limits: Limits) -> None:
             "any state; min_time_move plans from rest to rest at other orders"
         )
     check_both_sides(limits)
+    check_plain(limits)
 
 
 def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float, float]:

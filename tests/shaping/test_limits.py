@@ -1,7 +1,9 @@
 """Limits: validation, pairs, order, mirror, equality, repr."""
 
+import copy
 import dataclasses
 import math
+import pickle
 from math import inf
 
 import numpy as np
@@ -18,7 +20,9 @@ from jounce.shaping import (
     min_time_moves,
     min_time_transfer,
     min_time_transfers,
+    scan_move,
     synchronize,
+    tracking_transfer,
     velocity_transfer,
 )
 from jounce.shaping.recursive_s_curve import recursive_s_curve
@@ -63,7 +67,7 @@ def test_from_bounds_takes_any_order_and_any_iterable():
     assert limits.bounds(3) == (-inf, inf)
 
 
-NOT_AROUND_ZERO = [(1.0, 2.0), (-2.0, -1.0), (0.0, 1.0), (-1.0, 0.0), (2.0, -2.0)]
+NOT_AROUND_ZERO = [(1.0, 2.0), (-2.0, -1.0), (0.0, 0.0), (2.0, -2.0)]
 NOT_A_NUMBER = [math.nan, (math.nan, 1.0), (-1.0, math.nan)]
 
 
@@ -73,6 +77,14 @@ def test_a_bound_that_does_not_enclose_zero_is_refused(value):
         Limits(snap=value)
     with pytest.raises(ValueError, match="snap limit"):
         Limits.from_bounds([1.0, 1.0, 1.0, value])
+
+
+@pytest.mark.parametrize("pair", [(0.0, 1.0), (-1.0, 0.0), (-inf, 0), (-0.0, inf)])
+def test_a_side_may_be_zero_but_not_of_the_highest(pair):
+    assert Limits(velocity=pair, snap=1.0).bounds(1) == pair
+    assert Limits(velocity=pair, snap=1.0).mirror().bounds(1) == (-pair[1], -pair[0])
+    with pytest.raises(ValueError, match=r"^snap limit .*: the highest .* both signs; expected"):
+        Limits(velocity=1.0, snap=pair)
 
 
 @pytest.mark.parametrize("value", ["fast", "3", (1.0,), (-1.0, 0.5, 1.0), (-1.0, "x"), 1j, {}])
@@ -92,8 +104,7 @@ def test_unknown_names_are_refused():
         Limits(speed=1.0)
     with pytest.raises(ValueError, match="unknown derivative 'speed'"):
         Limits(velocity=1.0).bounds("speed")
-    with pytest.raises(ValueError, match="position has no limit"):
-        Limits(velocity=1.0).bounds("position")
+    assert Limits(velocity=1.0).bounds("position") == (-inf, inf)
 
 
 def test_limits_are_frozen():
@@ -128,6 +139,98 @@ def test_repr_can_be_pasted(limits):
 
 def test_repr_shows_what_was_said():
     assert repr(Limits(velocity=2, jerk=(-1, 3))) == "Limits(velocity=2.0, jerk=(-1.0, 3.0))"
+
+
+# Of position
+
+
+@pytest.mark.parametrize("pair", [(0.0, 1.0), [2, 3], (-inf, 5.0), (-2.0, -1.0), (-1.0, inf)])
+def test_position_takes_any_pair_that_increases(pair):
+    limits = Limits(position=pair, velocity=2.0, jerk=(-3.0, 4.0))
+    assert limits.position == limits.bounds("position") == limits.bounds(0) == tuple(pair)
+    assert (limits.order, limits.upper[0], limits.plain) == (3, 2.0, False)
+    assert limits.mirror().position == (-pair[1], -pair[0])
+    assert limits.mirror().mirror() == limits != Limits(velocity=2.0, jerk=(-3.0, 4.0))
+    assert Limits.from_bounds([2.0, None, (-3.0, 4.0)], position=pair) == limits
+    assert len({limits, Limits(2.0, None, (-3.0, 4.0), position=pair)}) == 1
+    assert eval(repr(limits), {"Limits": Limits, "inf": inf}) == limits
+    assert copy.deepcopy(limits) == pickle.loads(pickle.dumps(limits)) == limits
+
+
+def test_a_free_position_is_none():
+    limits = Limits(velocity=1.0, position=(-inf, inf))
+    assert limits == Limits(velocity=1.0)
+    assert limits.plain
+    assert not limits.bounds_position
+    assert "position" not in repr(limits)
+
+
+@pytest.mark.parametrize("pair", [(1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (inf, inf)])
+def test_positions_that_do_not_increase_are_refused(pair):
+    with pytest.raises(ValueError, match=r"^position limit \(.*: expected a pair \(lower, upper\)"):
+        Limits(position=pair, velocity=1.0)
+
+
+@pytest.mark.parametrize(
+    "value", [1.0, "far", (1.0,), (None, 1.0), [1, 2, 3], np.ones(2), ("a", 1)]
+)
+def test_a_position_limit_that_is_no_pair_is_refused(value):
+    with pytest.raises(TypeError, match=r"^position limit .*: expected a pair"):
+        Limits(position=value, velocity=1.0)
+
+
+def test_position_alone_bounds_no_motion():
+    with pytest.raises(ValueError, match="no limits given: bound at least one derivative"):
+        Limits(position=(0.0, 1.0))
+
+
+def test_positions_of_many_problems_broadcast():
+    pairs = np.array([[0.0, 1.0], [2.0, 4.0]])
+    limits = Limits(position=pairs, velocity=1.0)
+    assert limits.shape == (2,)
+    assert limits.each(lambda side: side[1]) == Limits(position=(2.0, 4.0), velocity=1.0)
+    assert limits == Limits(position=(pairs[:, 0], pairs[:, 1]), velocity=1.0)
+    with pytest.raises(ValueError, match=r"^position limit \(3.0, 1.0\) of problem 1: expected"):
+        Limits(position=np.array([[0.0, 1.0], [3.0, 1.0]]), velocity=1.0)
+    with pytest.raises(ValueError, match="do not fit"):
+        Limits(position=pairs, velocity=np.ones(3))
+
+
+def test_violation_counts_positions_and_zero_sides():
+    move = min_time_move(2.0, Limits(velocity=1.0, acceleration=1.0))
+    stops = Limits(position=(0.0, 1.0), acceleration=1.0)
+    assert move.violation(stops) == pytest.approx(1.0)
+    assert move.mirror().violation(stops) == pytest.approx(2.0)
+    assert move.violation(Limits(position=(-inf, 1.5), acceleration=1.0)) == pytest.approx(0.25)
+    assert move.violation(Limits(position=(0.0, 2.0), velocity=(0.0, 1.0), jerk=9.0)) == 0.0
+    assert move.mirror().violation(Limits(velocity=(0.0, 4.0), acceleration=1.0)) == 0.25
+    assert move.mirror().violation(Limits(velocity=(0.0, inf), acceleration=1.0)) == 1.0
+
+
+SPECIAL = [
+    Limits(velocity=1.0, acceleration=2.0, jerk=20.0, position=(-5.0, 5.0)),
+    Limits(velocity=1.0, acceleration=(-2.0, 0.0), jerk=20.0),
+]
+
+
+@pytest.mark.parametrize("limits", SPECIAL, ids=repr)
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda limits: min_time_moves([1.0], limits),
+        lambda limits: min_time_transfers([0.0], [1.0], limits),
+        lambda limits: recursive_s_curve(1.0, limits),
+        lambda limits: velocity_transfer(0.0, 1.0, limits),
+        lambda limits: synchronize([(0.0, 1.0, limits)]),
+        lambda limits: CommandFollower(limits, dt=0.1),
+        lambda limits: scan_move(1.0, 0.5, limits),
+        lambda limits: tracking_transfer(0.0, 1.0, limits),
+    ],
+    ids=range(8),
+)
+def test_what_takes_no_such_bounds_says_so(call, limits):
+    with pytest.raises(ValueError, match=r"have a bound .*: only min_time_move and min_time_tr"):
+        call(limits)
 
 
 # Of many problems
