@@ -141,12 +141,12 @@ def _step(torque: float, on: Literal["motor", "load"]) -> TorqueSteps:
 
 
 def tracking_survey(loop: ServoLoop, tracking: Tracking) -> TrackingSurvey:
-    """Return how a loop follows a command; ValueError, with its name, if it cannot."""
+    """Return how a loop follows a command, or stands; ValueError, with its name, if it cannot."""
     command = tracking.command
     begin = getattr(command, "start_time", 0.0)
     try:
         times = shown_times(begin, 0.0, tracking.duration)
-        response = loop.respond(command, times=times)
+        response = loop.respond(command, times=times, disturbance=tracking.disturbance)
     except ValueError as error:
         raise ValueError(f"tracking {tracking.name!r}: {error}") from None
     low, high = load_extremes(response, after=tracking.after)

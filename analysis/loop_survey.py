@@ -70,8 +70,7 @@ class Survey:
     margins : LoopMargins
         With delay and sampling as they are, of the linear part; peaks of S and T among them.
     compliance, noise_gain : PeakGain
-        Peaks of PS, position per disturbing torque, and CS, torque per measured position; nan of
-        a continuous loop with two encoders, which has no one plant and controller.
+        Peaks of PS, position per disturbing torque, and CS, torque per measured position.
     checks : tuple of SpecificationCheck
     step : StepResponse
         Of the linear part.
@@ -265,8 +264,6 @@ def _unstable(margins: LoopMargins) -> str:
 
 def _peaks(loop: ServoLoop) -> tuple[PeakGain, PeakGain]:
     """Return the peaks of PS and CS."""
-    if loop.axis.sensor == "both" and not loop.is_digital:
-        return _NO_GAIN, _NO_GAIN
     curves = loop.sensitivity()
     return peak_gain(curves.PS), peak_gain(curves.CS)
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from ..plant.commands import Command, as_command
+from ..plant.disturbances import checked_disturbances
 from ..shaping import InputShaper
 from ..shaping.checks import of_kind, positive
 from ..shaping.frozen import Frozen
@@ -94,6 +95,9 @@ class Move(Frozen):
         In s, for the planned move instead of the shortest.
     round_to : float, optional
         In s: the planned move lasts a whole multiple of it, such as a sample.
+    minimum_jerk : bool
+        The quintic of least squared jerk in place of the fastest move, as fast as the bounds
+        allow.
     """
 
     name: str
@@ -104,6 +108,7 @@ class Move(Frozen):
     shapers: tuple[InputShaper, ...] = ()
     duration: float | None = None
     round_to: float | None = None
+    minimum_jerk: bool = False
 
     def __post_init__(self) -> None:
         given = (self.shapers,) if isinstance(self.shapers, InputShaper) else tuple(self.shapers)
@@ -114,7 +119,7 @@ class Move(Frozen):
 
 @dataclass(frozen=True)
 class Tracking:
-    """A command that goes on: sidereal motion, a scan, a dither.
+    """A command that goes on, sidereal motion, a scan, a dither, or a torque that does.
 
     Attributes
     ----------
@@ -126,14 +131,18 @@ class Tracking:
     after : float
         In s: errors count from then on. The loop starts at rest, and a command that starts with
         a velocity throws it off at first.
+    disturbance : TorqueSteps, TorqueSine, SampledTorque or a list of them, optional
+        What acts on the axis meanwhile; against it alone the command is `Ramp(0.0)`.
     """
 
     name: str
     command: Command
     duration: float
     after: float = 0.0
+    disturbance: Any = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "disturbance", checked_disturbances(self.disturbance) or None)
         object.__setattr__(self, "command", as_command(self.command))
         object.__setattr__(self, "duration", positive("duration", self.duration))
         if not 0.0 <= real_number("after", self.after) < self.duration:

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, log, nan
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
 from ..plant import LoopResponse, ServoLoop
 from ..plant.response_figures import load_extremes, peak_torque
-from ..shaping import JerkFilter, Limits, Trajectory, min_time_move
+from ..shaping import JerkFilter, Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from .frequency_view import residual_vibration
+from .planned_moves import planned
 from .sampling import clock_for, followed, thinned
 from .specification import Mode, Move
 from .step_response import KEPT
@@ -91,16 +91,6 @@ class MoveSurvey(Frozen):
     def configured(self) -> MoveResponse:
         """The response with the loop's own feedforward."""
         return self.responses["with feedforward"]
-
-
-def planned(move: Move) -> Trajectory:
-    """Return the command of a move, behind its shapers."""
-    timing: dict[str, Any] = {"duration": move.duration, "round_to": move.round_to}
-    asked = {name: value for name, value in timing.items() if value is not None}
-    trajectory = min_time_move(move.distance, Limits.from_bounds(move.bounds), **asked)
-    for shaper in move.shapers:
-        trajectory = shaper.shape(trajectory)
-    return trajectory
 
 
 def move_survey(

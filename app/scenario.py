@@ -75,7 +75,7 @@ class Scenario(Frozen):
     filter : FilterSection or None
         The filter behind the shaper.
     moves : tuple of Move
-        At least one.
+        At least one, where there is neither tracking nor a torque that goes on.
     modes : tuple of Mode
         What the moves must not leave ringing.
     overrides : tuple of str
@@ -215,6 +215,11 @@ def _scenario(
     content: dict[str, Any],
     overrides: tuple[str, ...],
 ) -> Scenario:
+    if not checked.moves and isinstance(checked, FileOf2) and not _is_held(checked):
+        raise ValueError(
+            f"moves: is missing; write {what_to_write('moves')}, or [[tracking]] for a command "
+            "that goes on"
+        )
     asked = checked.controller.specification
     more = _more(checked) if isinstance(checked, FileOf2) else {}
     inertia, assumed = _inertia(checked), checked.feedforward.inertia
@@ -222,8 +227,7 @@ def _scenario(
         path=path,
         title=checked.title or path.stem,
         motion=context.motions[0],
-        position_unit=checked.position_unit
-        or unit_of(str(context.plain(content["moves"][0]["distance"]))),
+        position_unit=checked.position_unit or _position_unit(content, context),
         inertia=inertia,
         gains=_gains(checked.controller.gains),
         specification=None if asked is None else Specification(**vars(asked)),
@@ -235,6 +239,25 @@ def _scenario(
         overrides=overrides,
         **more,
     )
+
+
+def _is_held(checked: FileOf2) -> bool:
+    """Whether there is something for the loop to do besides moves."""
+    torques = (checked.disturbances.torque_sine, checked.disturbances.torque_file)
+    return bool(checked.tracking) or any(each is not None for each in torques)
+
+
+def _position_unit(content: dict[str, Any], context: Context) -> str:
+    """Return the unit of the first move; without one that of a tracking's distances, or usual."""
+    found = [move["distance"] for move in content.get("moves", ())]
+    for tracking in content.get("tracking", ()):
+        found += [
+            tracking[key][part]
+            for key, part in (("sine", "amplitude"), ("scan", "length"), ("onto", "distance"))
+            if key in tracking
+        ]
+    usual = {"angle": "1 deg", "length": "1 mm"}[context.motions[0]]
+    return unit_of(str(context.plain(([*found, usual])[0])))
 
 
 def _gains(gains: Any) -> GainRule | Gains | CascadeSection:
@@ -295,4 +318,6 @@ def _shaped(move: Any, checked: FileOf2) -> dict[str, Any]:
     except ValueError as error:
         where = "shaper" if move.shaper is None else f"moves.{move.name}.shaper"
         raise ValueError(f"{where}: {error}") from None
-    return {"shapers": shapers, "duration": move.duration, "round_to": move.round_to}
+    return {"shapers": shapers} | {
+        name: getattr(move, name) for name in ("duration", "round_to", "minimum_jerk")
+    }

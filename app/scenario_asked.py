@@ -9,7 +9,15 @@ from pydantic import ConfigDict, Field
 
 from ..shaping.derivatives import DERIVATIVE_NAMES
 from . import scenario_kinds as kinds
-from .scenario_checks import LIMIT_SET, MODE_NAMES, NAME, POSITION_UNIT, TRACKING_NAME, whole
+from .scenario_checks import (
+    LIMIT_SET,
+    MODE_NAMES,
+    NAME,
+    POSITION_UNIT,
+    TORQUE_UNIT,
+    TRACKING_NAME,
+    whole,
+)
 from .scenario_keys import choice
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
@@ -100,6 +108,15 @@ class FileSection:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OntoSection:
+    """From rest onto a target that is this far away at the start, and on with it."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    distance: Annotated[float, kinds.moved()]
+    limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
+
+
+@dataclass(frozen=True, kw_only=True)
 class TrackingSection:
     """A command that goes on: a rate, a sine, both together, a scan or a file."""
 
@@ -107,6 +124,7 @@ class TrackingSection:
     name: Annotated[str, TRACKING_NAME]
     rate: Annotated[float | Literal["sidereal"] | None, kinds.RATE] = None
     sine: SineSection | None = None
+    onto: OntoSection | None = None
     scan: ScanSection | None = None
     file: FileSection | None = None
     duration: Annotated[float | None, kinds.SECONDS] = None
@@ -119,13 +137,23 @@ class TrackingSection:
                 'needs one command: write rate = "15 arcsec/s" or "sidereal", a sine, both '
                 "together, or a scan or a file alone"
             )
-        if endless and self.duration is None:
-            raise ValueError('goes on for ever; write duration = "10 s"')
-        if self.duration is not None and self.after >= self.duration:
+        if self.onto is not None and (self.rate is None or self.sine is not None):
             raise ValueError(
-                f"counts errors after {self.after:g} s of {self.duration:g} s; write a longer "
-                "duration or a smaller after"
+                'goes onto a target without its rate; write rate = "15 arcsec/s" or "sidereal", '
+                "and no sine"
             )
+        _check_duration(self.duration, self.after, endless=endless)
+
+
+def _check_duration(duration: float | None, after: float, *, endless: bool) -> None:
+    """Refuse what never ends, or ends before its errors count."""
+    if endless and duration is None:
+        raise ValueError('goes on for ever; write duration = "10 s"')
+    if duration is not None and after >= duration:
+        raise ValueError(
+            f"counts errors after {after:g} s of {duration:g} s; write a longer "
+            "duration or a smaller after"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,6 +164,40 @@ class TorqueStepSection:
     torque: Annotated[float, kinds.torque()]
     time: Annotated[float, kinds.TIME] = 0.0
     on: _On = "motor"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueSineSection:
+    """A sinusoidal torque, against which the loop holds its position."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque sine"
+    amplitude: Annotated[float, kinds.torque("positive")]
+    frequency: Annotated[float, kinds.HERTZ]
+    duration: Annotated[float | None, kinds.SECONDS] = None
+    after: Annotated[float, kinds.TIME] = 0.0
+    on: _On = "motor"
+
+    def __post_init__(self) -> None:
+        _check_duration(self.duration, self.after, endless=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueFileSection:
+    """Torques over time in a CSV file, each held until the next."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque file"
+    path: Annotated[str, NAME]
+    unit: Annotated[str | None, TORQUE_UNIT] = None
+    time: Annotated[str, NAME] = "0"
+    torque: Annotated[str, NAME] = "1"
+    duration: Annotated[float | None, kinds.SECONDS] = None
+    after: Annotated[float, kinds.TIME] = 0.0
+    on: _On = "motor"
+
+    def __post_init__(self) -> None:
+        _check_duration(self.duration, self.after, endless=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,5 +233,7 @@ class DisturbanceSection:
 
     __pydantic_config__: ClassVar = _CLOSED
     torque_step: TorqueStepSection | None = None
+    torque_sine: TorqueSineSection | None = None
+    torque_file: TorqueFileSection | None = None
     wind: WindSection | None = None
     encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from ..analysis.planned_moves import planned
 from ..analysis.specification import Move
-from ..analysis.surveyed_moves import planned
 from ..fmu import (
     CExport,
     DigitalController,
@@ -146,7 +146,7 @@ def export_c_block(
 def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[str, ...]]:
     """Return a move's name, the first where none is given, and what is to be said of that."""
     names = [own.name for own in scenario.moves]
-    if move is not None or len(names) == 1:
+    if move is not None or len(names) < 2:
         return move, ()
     others = ", ".join(map(repr, names[1:]))
     return names[0], (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
@@ -202,6 +202,8 @@ def find_move(scenario: Scenario, name: str | None) -> Move:
     names = [move.name for move in scenario.moves]
     if name is None and len(names) == 1:
         return scenario.moves[0]
+    if not names:
+        raise ValueError(f"{scenario.path}: has no moves; write [[moves]], or export another block")
     if name not in names:
         problem = "has several moves" if name is None else f"has no move {name!r}"
         listed = ", ".join(map(repr, names))

@@ -164,9 +164,14 @@ def read_limit_set(value: object, info: ValidationInfo) -> str:
     sets = _context(info).limit_sets
     if value is None and len(sets) == 1:
         return sets[0]
+    if not sets:
+        raise ValueError(
+            "has no limits to keep; write [limits.axis] with velocity, acceleration, … "
+            "into the file"
+        )
     if not isinstance(value, str) or value not in sets:
         problem = "is missing" if value is None else f"{show(value)} is not a set of limits here"
-        raise ValueError(f"{problem}; write one of {', '.join(map(show, sets)) or 'none'}")
+        raise ValueError(f"{problem}; write one of {', '.join(map(show, sets))}")
     return value
 
 
@@ -203,6 +208,14 @@ def read_position_unit(value: object, info: ValidationInfo) -> str:
     return parse_unit(value, [motion_kind(motion, 0) for motion in _context(info).motions])
 
 
+def read_torque_unit(value: object, info: ValidationInfo) -> str:
+    """Return the unit of torques in a file."""
+    units = {"angle": ("a torque", "N m"), "length": ("a force", "N")}
+    named = [units[motion] for motion in _context(info).motions]
+    kinds = [Kind(name=name, unit=unit, example=f"5 {unit}") for name, unit in named]
+    return parse_unit(value, kinds)
+
+
 def _text(description: str, example: str) -> dict[str, Any]:
     return {"type": "string", "description": description, "examples": [example]}
 
@@ -231,6 +244,7 @@ LIMIT_SET = Key(read_limit_set, _text("the name of a set of limits", "axis"))
 DISTANCE = Key(read_distance, _moved_schema())
 SETTLE_TO = Key(read_settle_to, _moved_schema(positive=True))
 POSITION_UNIT = Key(read_position_unit, _text("the unit in which positions are told", "arcsec"))
+TORQUE_UNIT = Key(read_torque_unit, _text("the unit of torques in a file", "N m"))
 BOUND = Key(read_bound, _BOUND)
 LIMITS = WithJsonSchema(
     {

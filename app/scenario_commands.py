@@ -5,10 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 from ..analysis.specification import Tracking
-from ..plant import Ramp, Sine, TorqueSteps, Wind
-from ..shaping import CommandFollower, Limits, Trajectory, follow_commands, scan_move
+from ..plant import Ramp, SampledTorque, Sine, TorqueSine, TorqueSteps, Wind
+from ..shaping import (
+    CommandFollower,
+    Limits,
+    Trajectory,
+    follow_commands,
+    scan_move,
+    tracking_transfer,
+)
 from .scenario import Scenario
-from .scenario_asked import FileSection, TrackingSection
+from .scenario_asked import (
+    FileSection,
+    TorqueFileSection,
+    TorqueSineSection,
+    TrackingSection,
+)
 from .scenario_kinds import SIDEREAL
 from .units import factor
 
@@ -44,8 +56,32 @@ def torque_step_of(scenario: Scenario) -> TorqueSteps | None:
 
 
 def tracking_of(scenario: Scenario) -> tuple[Tracking, ...]:
-    """Return the commands that go on."""
-    return tuple(_tracking(each, scenario) for each in scenario.tracking)
+    """Return the commands and the torques that go on."""
+    disturbances = scenario.disturbances
+    held = (disturbances.torque_sine, disturbances.torque_file)
+    return (
+        *(_tracking(each, scenario) for each in scenario.tracking),
+        *(_holding(each, scenario) for each in held if each is not None),
+    )
+
+
+def _holding(section: TorqueSineSection | TorqueFileSection, scenario: Scenario) -> Tracking:
+    """Return what it is to stand still against a torque that goes on."""
+    torque: TorqueSine | SampledTorque
+    try:
+        if isinstance(section, TorqueSineSection):
+            torque = TorqueSine(section.amplitude, section.frequency, on=section.on)
+            duration = section.duration
+        else:
+            unit = section.unit or ("N m" if scenario.motion == "angle" else "N")
+            columns = section.path, section.time, section.torque
+            times, values = _columns(*columns, scenario)
+            torque = SampledTorque(times, factor(unit) * values, on=section.on)
+            duration = section.duration or float(times[-1])
+        assert duration is not None  # the section's own check
+        return Tracking(section.name, Ramp(0.0), duration, section.after, torque)
+    except ValueError as error:
+        raise ValueError(f"{scenario.path}: disturbances: {section.name}: {error}") from None
 
 
 def _tracking(section: TrackingSection, scenario: Scenario) -> Tracking:
@@ -65,10 +101,13 @@ def _command(section: TrackingSection, scenario: Scenario) -> Any:
         return scan_move(scan.length, scan.rate, limits, lines=scan.lines).trajectory
     if section.file is not None:
         return _followed(section.file, scenario)
-    rate, sine = section.rate, section.sine
+    rate, sine = SIDEREAL if isinstance(section.rate, str) else section.rate, section.sine
+    if section.onto is not None and rate is not None:
+        target = (section.onto.distance, rate)
+        return tracking_transfer(0.0, target, _limits(section.onto.limits, scenario)).trajectory
     parts: list[Any] = []
     if rate is not None:
-        parts.append(Ramp(SIDEREAL if isinstance(rate, str) else rate))
+        parts.append(Ramp(rate))
     if sine is not None:
         parts.append(Sine(sine.amplitude, sine.frequency))
     return parts[0] if len(parts) == 1 else parts[0] + parts[1]
@@ -80,18 +119,23 @@ def _limits(name: str, scenario: Scenario) -> Limits:
 
 def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
     """Return what a follower makes of the positions in a file beside the scenario."""
+    times, positions = _columns(file.path, file.time, file.position, scenario)
+    scale = factor(file.unit or scenario.position_unit)
+    follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
+    return follow_commands(follower, times, scale * positions)
+
+
+def _columns(name: str, time: str, value: str, scenario: Scenario) -> tuple[Any, Any]:
+    """Return two columns of a CSV file beside the scenario."""
     from ..analysis import read_log
 
-    path = scenario.path.parent / file.path
+    path = scenario.path.parent / name
     try:
-        times, positions = read_log(path, _column(file.time), _column(file.position))
+        return read_log(path, _column(time), _column(value))
     except OSError as error:
         raise ValueError(
             f"file {path}: {error.strerror or error}; name a CSV file, from this file's folder on"
         ) from None
-    scale = factor(file.unit or scenario.position_unit)
-    follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
-    return follow_commands(follower, times, scale * positions)
 
 
 def _column(name: str) -> int | str:

@@ -16,7 +16,7 @@ from .scenario_asked import (
     ShaperSection,
     TrackingSection,
 )
-from .scenario_keys import OrWord
+from .scenario_keys import OrWord, choice
 from .scenario_kinds import MASS, SECONDS
 from .scenario_messages import what_to_write
 from .scenario_requirements import REQUIREMENTS
@@ -175,6 +175,7 @@ class _MoveOf2(MoveSection):
     shaper: Annotated[ShaperSection | None, OrWord(("none",), what_to_write("shaper"))] = None
     duration: Annotated[float | None, SECONDS] = None
     round_to: Annotated[float | None, SECONDS] = None
+    minimum_jerk: Annotated[bool, choice(True, False)] = False
 
 
 class FileOf2(_Section):
@@ -188,9 +189,9 @@ class FileOf2(_Section):
     feedforward: FeedforwardOf2 = FeedforwardOf2()
     filter: FilterSection | None = None
     shaper: ShaperSection | None = None
-    limits: dict[str, LimitSet] = Field(min_length=1)
+    limits: dict[str, LimitSet] = Field(default={}, min_length=1)
     modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
-    moves: Annotated[tuple[_MoveOf2, ...], _NOT_EMPTY, checks.listed("moves", least=1)]
+    moves: Annotated[tuple[_MoveOf2, ...], _NOT_EMPTY, checks.listed("moves", least=1)] = ()
     tracking: Annotated[tuple[TrackingSection, ...], checks.listed("tracking")] = ()
     disturbances: DisturbanceSection = DisturbanceSection()
     requirements: Annotated[tuple[Requirement, ...], REQUIREMENTS] = ()

@@ -116,12 +116,14 @@ settle_to = "50 mas"
 shaper = {kind = "ZV", modes = ["tower"], frequency = "6 Hz", damping = "1 %", vibration = "5 %"}
 duration = "2 s"
 round_to = "1 ms"
+minimum_jerk = true
 [[tracking]]
 name = "stars"
 rate = "sidereal"
 duration = "10 s"
 after = "5 s"
 sine = {amplitude = "1 arcsec", frequency = "1 Hz"}
+onto = {distance = "3 deg", limits = "axis"}
 scan = {length = "1 deg", rate = "0.1 deg/s", lines = 2, limits = "axis"}
 [tracking.file]
 path = "command.csv"
@@ -133,6 +135,22 @@ limits = "axis"
 [disturbances]
 torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
 encoder_noise = "10 mas"
+[disturbances.torque_sine]
+name = "pump"
+amplitude = "1 N m"
+frequency = "2 Hz"
+duration = "10 s"
+after = "5 s"
+on = "motor"
+[disturbances.torque_file]
+name = "storm"
+path = "torque.csv"
+unit = "N m"
+time = "0"
+torque = "1"
+duration = "10 s"
+after = "5 s"
+on = "load"
 [disturbances.wind]
 kind = "von_karman"
 sigma = "1 N m"

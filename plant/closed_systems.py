@@ -82,6 +82,31 @@ def continuous_functions(g: Any, k: Any) -> Sensitivity:
     )
 
 
+def two_encoder_functions(loop: OpenLoop, position: FloatArray) -> Sensitivity:
+    """Return the four of a continuous loop whose position and velocity have encoders of their own.
+
+    The loop is one without feedforward; `position` is the row of the measured position. An error
+    of the measured position alone enters as the command does, its sign turned.
+    """
+    loop = loop.without_idle_integral()
+    n = len(loop.a)
+    a, fed = loop.closed()
+    asked, direct = loop.asked[None, :n], loop.asked[n : n + 1]
+    drive, seen = loop.drive[:, None], _wide(position, n)[None]
+
+    def function(name: str, inputs: FloatArray, row: FloatArray, direct: Any) -> Any:
+        signals = {"inputs": [f"into_{name}"], "outputs": [name]}
+        states = [f"x_{i}" for i in range(n)]
+        return linear_system((a, inputs, row, direct), 0, **signals, states=states, name=name)
+
+    return Sensitivity(
+        function("S", drive, asked, [[1.0]]),
+        function("T", drive, -asked, [[0.0]]),
+        function("PS", drive, seen, [[0.0]]),
+        function("CS", fed[:, :1], asked, direct[None]),
+    )
+
+
 def sampled_functions(
     held: control.StateSpace, controller: control.StateSpace, *, one_encoder: bool
 ) -> Sensitivity:

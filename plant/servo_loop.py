@@ -23,6 +23,7 @@ from .closed_systems import (
     closed_system,
     continuous_functions,
     sampled_functions,
+    two_encoder_functions,
 )
 from .commands import Sum, as_command
 from .controller import Controller, as_controller
@@ -255,10 +256,8 @@ class ServoLoop(Frozen):
         axis, controller = self.axis, self.controller_noun
         if controller.sample_time is None:
             if axis.sensor == "both":
-                raise ValueError(
-                    "a continuous loop with two encoders has no one g and k: give the controller a "
-                    "sample time, or one encoder"
-                )
+                bare = open_loop(axis, controller, Feedforward())
+                return two_encoder_functions(bare, axis.dynamics.load)
             plant = self.plant if self._is_ideal else axis
             return continuous_functions(plant.transfer(), controller.transfer())
         held = zero_order_hold(self._held_plant(), controller.sample_time, delay=controller.delay)

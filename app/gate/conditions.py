@@ -18,7 +18,7 @@ from ...analysis.specification import Mode
 from ...shaping import InputShaper
 from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
-from ..scenario_asked import FileSection, ScanSection
+from ..scenario_asked import FileSection, OntoSection, ScanSection
 from ..scenario_checks import GAIN_UNITS
 from ..scenario_keys import Quantity
 from ..scenario_messages import key_path
@@ -153,7 +153,7 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
         key = (*where, *_key_of(field.name))
         if field.name == "bounds":
             yield from _limits(value, key, scenario)
-        elif isinstance(part, ScanSection | FileSection) and field.name == "limits":
+        elif isinstance(part, FileSection | OntoSection | ScanSection) and field.name == "limits":
             yield from _limits(scenario.limit_sets[value], key, scenario)
         elif is_dataclass(value) and not isinstance(value, type):
             yield from _leaves(value, key, scenario)

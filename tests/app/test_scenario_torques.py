@@ -1,0 +1,204 @@
+"""Torques that go on, moves of minimum jerk, ways onto a target, and files without moves."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from jounce.app import survey_file
+from jounce.app.scenario import ScenarioError, load_scenario
+from jounce.app.scenario_commands import survey_conditions
+from jounce.plant import SampledTorque, TorqueSine
+
+DEGREE = math.pi / 180
+LOOP = """
+format = 2
+[plant]
+inertia = "2 kg m^2"
+viscous = "1 N m s/rad"
+[controller]
+gains = {kp = "800 N m/rad", ki = "4000 N m/(rad s)", kr = "60 N m s/rad"}
+sample_time = "1 ms"
+delay = "1 ms"
+"""
+LIMITS = """
+[limits.axis]
+velocity = "10 deg/s"
+acceleration = "20 deg/s^2"
+jerk = "200 deg/s^3"
+"""
+MOVE = """
+[[moves]]
+name = "go"
+distance = "4 deg"
+settle_to = "1 arcsec"
+"""
+SINE = """
+[disturbances.torque_sine]
+name = "pump"
+amplitude = "0.5 N m"
+frequency = "3 Hz"
+duration = "8 s"
+after = "7 s"
+"""
+
+
+def test_a_sine_s_error_is_the_loop_s_compliance(write):
+    found = survey_file(write(LOOP + SINE))
+    [held] = found.tracking
+    assert held.name == "pump"
+    compliance = abs(found.loop.sensitivity().PS(np.exp(2j * np.pi * 3.0 * 1e-3)))
+    # PS is that of a torque held over each sample: at 3 Hz of 1 kHz the two are near.
+    assert held.peak_error == pytest.approx(0.5 * compliance, rel=2e-3)
+    assert held.rms_error == pytest.approx(held.peak_error / math.sqrt(2.0), rel=2e-3)
+
+
+def test_a_file_s_torque_is_held_until_the_next(write):
+    path = write(
+        LOOP + '[disturbances]\ntorque_file = {path = "w.csv", unit = "N mm", on = "load"}'
+    )
+    path.with_name("w.csv").write_text("t,T\n0,0\n0.5,2000\n1.5,-1000\n3.0,0\n")
+    [held] = survey_conditions(load_scenario(path))["tracking"]
+    assert (held.name, held.duration, held.after) == ("torque file", 3.0, 0.0)
+    [torque] = held.disturbance
+    assert isinstance(torque, SampledTorque)
+    assert torque.on == "load"
+    np.testing.assert_allclose(torque.torques, [0.0, 2.0, -1.0, 0.0], rtol=1e-14)
+    found = survey_file(path).tracking[0]
+    direct = survey_file(path).loop.respond(held.command, times=[1.4], disturbance=torque)
+    at = np.interp(1.4, found.response.time, found.response.load_error)
+    assert at == pytest.approx(float(direct.load_error[0]), abs=1e-6)
+
+
+def test_names_of_torques_can_be_required(write):
+    more = '[requirements.pump]\ntracking_peak = {max = "1 mdeg"}'.replace("1 mdeg", "0.001 deg")
+    [check] = survey_file(write(LOOP + SINE + more)).requirements
+    assert check.requirement.name == "pump.tracking_peak"
+    assert not check.met
+
+
+def test_a_file_without_moves_is_surveyed_checked_and_told(write, run):
+    path = write(
+        LOOP + SINE + '[[tracking]]\nname = "stars"\nrate = "sidereal"\nduration = "2 s"\n'
+    )
+    status, out, _ = run("survey", path, "--output", path.parent / "out")
+    assert status == 0
+    assert "pump" in out
+    told = json.loads((path.parent / "out" / "survey.json").read_text())
+    assert told["moves"] == []
+    assert [each["name"] for each in told["tracking"]] == ["stars", "pump"]
+    assert run("check", path, "--update")[0] == 0
+    assert run("check", path)[0] == 0
+    output = path.with_name("t.fmu")
+    status, _, errors = run("fmu", "export", path, "--block", "trajectory", "--output", output)
+    assert status != 0
+    assert "has no moves; write [[moves]]" in errors[0]
+
+
+def test_the_unit_of_positions_without_moves(write):
+    dither = '[[tracking]]\nname = "dither"\nsine = {amplitude = "2 arcsec", frequency = "1 Hz"}\n'
+    stars = '[[tracking]]\nname = "stars"\nrate = "sidereal"\nduration = "2 s"\n'
+    assert load_scenario(write(LOOP + stars)).position_unit == "deg"
+    scenario = load_scenario(write(LOOP + dither + 'duration = "2 s"\n'))
+    assert scenario.position_unit == "arcsec"
+
+
+@pytest.mark.parametrize("timing", ["", 'duration = "3 s"\n', 'round_to = "1 ms"\n'])
+def test_a_move_of_minimum_jerk_is_as_fast_as_its_bounds_allow(write, timing):
+    path = write(LOOP + LIMITS + MOVE + "minimum_jerk = true\n" + timing)
+    [move] = survey_file(path).moves
+    times = np.linspace(0.0, move.duration_s, 20_001)
+    s = times / move.duration_s
+    quintic = 4 * DEGREE * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    np.testing.assert_allclose(move.trajectory(times), quintic, atol=1e-15)
+    steps = [np.gradient(quintic, times)]
+    for _ in range(2):
+        steps.append(np.gradient(steps[-1], times))
+    bounds = (10 * DEGREE, 20 * DEGREE, 200 * DEGREE)
+    shares = [abs(d[5:-5]).max() / bound for d, bound in zip(steps, bounds, strict=True)]
+    if "duration" in timing:
+        assert move.duration_s == 3.0
+        assert max(shares) < 1.0
+    else:
+        assert max(shares) == pytest.approx(1.0, abs=2e-3)
+    if "round_to" in timing:
+        assert move.duration_s / 1e-3 == pytest.approx(round(move.duration_s / 1e-3), abs=1e-9)
+
+
+def test_onto_a_target_and_on_with_it(write):
+    more = (
+        '[[tracking]]\nname = "catch"\nrate = "0.5 deg/s"\nonto = {distance = "3 deg"}\n'
+        'duration = "6 s"\nafter = "3 s"\n'
+    )
+    path = write(LOOP + LIMITS + more)
+    [found] = survey_file(path).tracking
+    response = found.response
+    late = response.time > 3.0
+    expected = 3 * DEGREE + 0.5 * DEGREE * response.time[late]
+    np.testing.assert_allclose(response.command[late], expected, rtol=1e-12)
+    assert response.command[0] == 0.0
+    assert found.peak_error < 0.02 * DEGREE
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (LOOP + SINE.replace('duration = "8 s"', ""), "torque_sine: goes on for ever; write dura"),
+        (LOOP + SINE.replace('"7 s"', '"9 s"'), "torque_sine: counts errors after 9 s of 8 s;"),
+        (LOOP + SINE.replace("0.5 N m", "0.5 N"), "torque_sine.amplitude: '0.5 N' has the wrong"),
+        (LOOP + SINE.replace('"3 Hz"', '"0 Hz"'), "torque_sine.frequency: '0 Hz' is out of range"),
+        (LOOP, "moves: is missing; write "),
+        (LOOP + MOVE, "moves[0].limits: has no limits to keep; write [limits.axis]"),
+        (
+            LOOP + '[[tracking]]\nname = "a"\nonto = {distance = "1 deg"}\n' + LIMITS,
+            "tracking[0]: needs one command",
+        ),
+        (
+            LOOP + SINE + '[disturbances.torque_file]\npath = "w.csv"\nunit = "arcsec"',
+            "torque_file.unit: 'arcsec' has the wrong dimension; write the unit of a torque",
+        ),
+        (
+            LOOP + SINE + '[disturbances.torque_file]\npath = "w.csv"\nname = "pump"',
+            "torque_file.name: 'pump' is the name of an earlier tracking",
+        ),
+    ],
+)
+def test_a_problem_is_one_line(write, text, line):
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(write(text))
+    assert line in str(caught.value).splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            LOOP + '[disturbances]\ntorque_file = {path = "none.csv"}',
+            "disturbances: torque file: file ",
+        ),
+        (
+            LOOP + LIMITS + MOVE + 'minimum_jerk = true\nduration = "0.2 s"',
+            "move 'go': duration = 0.2: a move of minimum jerk takes 1.07",
+        ),
+        (
+            LOOP + LIMITS + 'snap = "1000 deg/s^4"\n' + MOVE + "minimum_jerk = true",
+            "move 'go': a move of minimum jerk with a bound on snap: its jerk jumps; leave",
+        ),
+        (
+            LOOP + LIMITS + '[[tracking]]\nname = "a"\nrate = "11 deg/s"\nduration = "3 s"\n'
+            'onto = {distance = "1 deg"}',
+            "tracking 'a': target velocity",
+        ),
+    ],
+)
+def test_what_cannot_be_run_is_one_line(write, text, line):
+    with pytest.raises(ValueError, match=r"case\.toml: ") as caught:
+        survey_file(write(text))
+    assert line in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_sine_is_a_disturbance_of_the_library_s_own(write):
+    [held] = survey_conditions(load_scenario(write(LOOP + SINE)))["tracking"]
+    assert held.disturbance == (TorqueSine(0.5, 3.0, on="motor"),)
