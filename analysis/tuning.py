@@ -193,16 +193,20 @@ def _tuned(loop: OpenGains, omega: Real, gains: Real, around: tuple[Circle, ...]
         found = largest_integral_gain(loop.terms(omega), gains, around)
         programs += found.programs
         if not found.at_rest:
-            break
+            raise ValueError(
+                "nothing limits the integral gain: the model has no delay, no mode and no filter "
+                "at high frequency; give delay=…, sample_time=… or derivative_filter=…"
+            )
         margins = _margins(loop, found.gains)
         passed = _passed(margins, around)
         if margins.stable and not passed:
             return TunedPID(loop.with_gains(found.gains), margins, programs)
         omega = np.sort(np.concatenate([omega, *(_beside(place) for place in passed)]))
         gains = _back_inside(loop.terms(omega), gains, found.gains, around)
+    place = f" at {margins.sensitivity_peak_hz:.4g} Hz" if margins.stable else ""
     raise ValueError(
-        "nothing limits the integral gain: the model has no delay, no mode and no filter at high "
-        "frequency; give delay=…, sample_time=… or derivative_filter=…"
+        f"a resonance{place} is too sharp for the bounds to be kept on both sides of it; give the "
+        "modes of the model the damping that they have, 0.01 % or more"
     )
 
 

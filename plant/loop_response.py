@@ -257,8 +257,8 @@ class LoopResponse(Frozen):
     def next_breakaway(self) -> float:
         """Time at which a motor that sticks at the end breaks away, if the command stands still.
 
-        Being stuck is not rest: the integral goes on. Infinite where it does not, now for a motor
-        that slips, and for an axis without friction.
+        Being stuck is not rest: the integral goes on. Infinite where it does not, or where the
+        torque limit is reached before the stiction; now for a motor that slips.
         """
         friction, run = self._scene.axis.friction, self.run
         mode = run.hybrid.modes[run.modes[-1]]
@@ -270,4 +270,6 @@ class LoopResponse(Frozen):
         ramp = self._scene.controller.integral_gain * error
         if ramp == 0.0:
             return inf
-        return float(end + (friction.holds - push * np.sign(ramp)) / abs(ramp))
+        missing = friction.holds - push * np.sign(ramp)
+        left = self._scene.axis.torque_limit - float(self.motor_torque[-1]) * np.sign(ramp)
+        return float(end + missing / abs(ramp)) if missing <= left else inf

@@ -18,10 +18,11 @@ from .inertia import Inertia
 from .inertia_pid import check_lower_gain_margin, inertia_pid
 from .open_gains import OpenGains, pure_delay
 from .pid import PID
-from .pid_equations import Real, check_phase, gains_for
+from .pid_equations import Real, check_phase, gains_for, reachable_margins
 from .stability import is_stable
 
 _MOST_DB = 300.0  # beyond, the integral gain is nothing but rounding
+_TRIED = 12  # lower gain margins that are tried for advice
 _LOWER = 8  # gains at which a loop is looked at between its lower margin and 1
 
 
@@ -156,8 +157,21 @@ def _designed(loop: OpenGains, omega: float, phase_margin_deg: float, factor: fl
     raise ValueError(
         f"crossover_hz = {omega / (2.0 * pi):.6g}, phase_margin_deg = {phase_margin_deg!r} and the "
         f"lower gain margin of {20.0 * np.log10(factor):.6g} dB are out of reach: {why}; lower the "
-        "crossover, ask for a larger lower gain margin, or let analysis.tune_pid find the gains"
+        f"crossover, {_other_margin(loop, omega, phase, factor)}or let analysis.tune_pid find the "
+        "gains"
     )
+
+
+def _other_margin(loop: OpenGains, omega: float, phase: float, factor: float) -> str:
+    """Return the advice to ask for a lower gain margin with which a design succeeds, if any."""
+    found = np.round(20.0 * np.log10(reachable_margins(loop.terms, omega, phase)), 1)
+    found = found[(found > 0.0) & (found < _MOST_DB)]
+    nearest = found[np.argsort(abs(found - 20.0 * np.log10(factor)), kind="stable")]
+    for decibels in nearest[:: 1 + len(nearest) // _TRIED].tolist():
+        other = _factor(decibels)
+        if any(_keeps(loop, g, phase, other) for g in gains_for(loop.terms, omega, phase, other)):
+            return f"ask for a lower gain margin of {decibels:.4g} dB, "
+    return ""
 
 
 def _keeps(loop: OpenGains, gains: Real, phase: float, factor: float) -> bool:

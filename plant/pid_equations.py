@@ -63,6 +63,24 @@ def gains_for(terms: Terms, crossover: float, phase: float, factor: float) -> It
             yield gains
 
 
+def reachable_margins(terms: Terms, crossover: float, phase: float) -> Real:
+    """Return lower gain margins (M,) > 1 that go with L(jω_c) = −e^(jφ) and gains ≥ 0.
+
+    Of many ω_p < ω_c at which L is real: three equations for the gains, and g_m follows.
+    """
+    logs = np.linspace(np.log(_LOWEST), -1e-3, _PLACES)
+    below = terms(crossover * np.exp(logs))
+    above = terms(np.array([crossover]))[0]
+    fixed = np.broadcast_to([above.real, above.imag], (len(below), 2, 3))
+    matrix = np.concatenate([fixed, below.imag[:, None]], axis=1)
+    size = abs(matrix).max(axis=2, keepdims=True)
+    target = np.array([[-cos(phase)], [-sin(phase)], [0.0]]) / size
+    solvable = abs(np.linalg.det(matrix / size)) > 1e-12
+    gains = np.linalg.solve((matrix / size)[solvable], target[solvable])[..., 0]
+    factors = -(below[solvable].real * gains).sum(axis=1)
+    return np.asarray(factors[(gains >= 0.0).all(axis=1) & (factors > 1.0)])
+
+
 def check_phase(terms: Terms, crossover: float, phase: float, asked_deg: float) -> None:
     """Refuse a phase margin for which k would have to turn by more than a PID does."""
     proportional = terms(np.array([crossover]))[0, 0]

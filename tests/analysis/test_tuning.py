@@ -1,11 +1,13 @@
 """Tuned PIDs: peaks by plain complex arithmetic, no better gains nearby, reasons for refusals."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
 
-from jounce.analysis import tune_pid
-from jounce.plant import FlexibleInertia, Inertia, LowPass, Notch
+from jounce.analysis import tune_pid, tuning
+from jounce.plant import Axis, FlexibleInertia, FlexibleMode, Inertia, LowPass, Notch
 
 AXIS = FlexibleInertia(2.0, frequency_hz=20.0, damping=0.01, load_fraction=0.4)
 ON_LOAD = FlexibleInertia(2.0, frequency_hz=20.0, damping=0.01, load_fraction=0.4, sensor="load")
@@ -112,6 +114,20 @@ def test_refusals_name_value_and_remedy(given, told):
     with pytest.raises(ValueError, match=told) as caught:
         tune_pid(Inertia(1.0), **given)
     assert "\n" not in str(caught.value)
+
+
+def test_a_resonance_without_damping_is_named_and_the_remedy_works(monkeypatch):
+    """Behind a delay |S| passes its bound on a part of 1e-7 of the frequency beside the pole."""
+    mode = FlexibleMode(50.0, load_fraction=0.5, held=True)
+    timing = {"sample_time": 1e-3, "delay": 1e-3}
+    with monkeypatch.context() as patched:
+        patched.setattr(tuning, "_ROUNDS", 3)
+        with pytest.raises(
+            ValueError, match=r"a resonance at 71\.\d+ Hz is too sharp .*; give the"
+        ):
+            tune_pid(Axis(1000.0, modes=[mode]), **timing)
+    damped = Axis(1000.0, modes=[replace(mode, damping=1e-4)])
+    assert tune_pid(damped, **timing).margins.sensitivity_peak < 1.6001
 
 
 def test_an_unreachable_bound_says_what_came_nearest():

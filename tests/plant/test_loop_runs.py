@@ -446,3 +446,15 @@ def test_a_motor_on_the_edge_of_breaking_away_stays_where_it_is(duration):
     times = [time for time, _, _ in response.friction_events]
     assert abs(response.error[-1]) < 1e-12 * still
     assert len(times) == len(set(times)), response.friction_events
+
+
+@pytest.mark.parametrize(("limit", "leaves"), [(1.1, False), (1.3, True)])
+def test_a_limit_below_the_stiction_never_breaks_away(limit, leaves):
+    law = PID(30.0, 60.0, 2.0, derivative_filter=1e-3)
+    axis = Axis(0.02, friction=Friction(0.8, 1.2), torque_limit=limit)
+    loop = ServoLoop(axis, Controller(law, sample_time=1e-3))
+    stuck = loop.respond(Ramp(0.0, 0.02), 0.1, duration=0.3, start=0.0)
+    longer = loop.respond(Ramp(0.0, 0.02), 0.1, duration=5.0, start=0.0)
+    assert not stuck.friction_events
+    assert bool(longer.friction_events) is leaves
+    assert (stuck.next_breakaway < inf) is leaves

@@ -1,6 +1,7 @@
 """Designs for any axis: the three margins by plain complex arithmetic, and refusals."""
 
 import cmath
+import re
 from math import degrees, log10, pi
 
 import control
@@ -139,3 +140,15 @@ def test_a_loop_is_looked_at_beside_its_undamped_roots_not_at_them():
         beside = omega - root
         assert 0.0 < beside[beside > 0.0].min() < 1e-5
         assert 0.0 < -beside[beside < 0.0].max() < 1e-5
+
+
+@pytest.mark.parametrize(("asked", "sample_time"), [(1.0, None), (200.0, None), (200.0, 1e-3)])
+def test_the_lower_gain_margin_that_a_refusal_advises_is_reached(asked, sample_time):
+    axis = Axis(1000.0, modes=[FlexibleMode(6.0, 0.01, load_fraction=0.5, held=True)])
+    timing = {} if sample_time is None else {"sample_time": sample_time, "delay": 1e-3}
+    given = {"crossover_hz": 1.0, "phase_margin_deg": 45.0, **timing}
+    with pytest.raises(ValueError, match="are out of reach") as caught:
+        design_pid(axis, **given, lower_gain_margin_db=asked)
+    advised = re.search(r"ask for a lower gain margin of ([\d.]+) dB", str(caught.value))
+    gains = design_pid(axis, **given, lower_gain_margin_db=float(advised[1]))
+    assert min(gains.kp, gains.ki, gains.kr) > 0.0
