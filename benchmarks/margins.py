@@ -15,7 +15,7 @@ import numpy as np
 from timing import ratio, side_by_side, table
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.many_loops import many_loop_margins
+from jounce.analysis.margins.many_margins import many_loop_margins
 from jounce.plant import design_pid
 
 LOOPS = 100_000

@@ -54,8 +54,8 @@ static inline double ramp(double *v, double a, double end, double j) {
 /* Acceleration a0 -> peak, hold, peak -> a1; without bounds of the jerk only the hold. */
 typedef struct {
     double duration, distance;
-    double peak, hold;
-    double jerk, back; /* of the way to the peak, and from it */
+    double peak, first, hold, last; /* the times to the peak, at it and from it */
+    double jerk, back;              /* of the way to the peak, and from it */
 } jounce_change;
 
 /* The fastest change from (v0, a0) to (v1, a1); the task's distance plays no part. */

@@ -6,27 +6,45 @@
  */
 #include "task.h"
 
+/* How far the peak lies above an acceleration at an end, where the other half of the change has time
+ * `half` of a unit of squared acceleration: without the digits that a slow jerk does not touch. */
+static double above(double peak, double a, double gain, double other, double half, double kappa) {
+    double squares = (other - a) * (other + a) * half;
+    return a > 0.0 ? larger((gain + squares) / (kappa * (peak + a)), 0.0) : peak - a;
+}
+
+/* The distance, of which each ramp is reckoned from its own end, the hold from the slower one. */
+static double distance_of(const jounce_task *t, const jounce_change *c) {
+    double v = t->v0, w = t->v1, p = c->peak, h = c->hold;
+    double distance = ramp_in(&v, t->a0, p, c->first) - ramp_in(&w, t->a1, p, -c->last);
+    double middle = magnitude(v) <= magnitude(w) ? v + 0.5 * p * h : w - 0.5 * p * h;
+    return distance + middle * h;
+}
+
 static jounce_change by_rising(const jounce_task *t) {
-    double a0 = t->a0, a1 = t->a1, v = t->v0, rising, falling;
-    double rise_time = 1.0 / t->rise, fall_time = 1.0 / t->fall; /* of a unit of acceleration */
-    double kappa = 0.5 * rise_time + 0.5 * fall_time;
-    double square = (t->v1 - t->v0 + 0.5 * (a0 * a0 * rise_time + a1 * a1 * fall_time)) / kappa;
-    double top = larger(a0, a1), peak = larger(square_root(larger(square, 0.0)), top);
+    double a0 = t->a0, a1 = t->a1, gain = t->v1 - t->v0, top = larger(a0, a1), peak;
+    double half_rise = 0.5 / t->rise, half_fall = 0.5 / t->fall, kappa = half_rise + half_fall;
+    double square = (gain + a0 * a0 * half_rise + a1 * a1 * half_fall) / kappa;
+    double first, last;
     jounce_change change = {0};
+    peak = larger(square_root(larger(square, 0.0)), top);
     if (peak > t->a_max && t->a_max >= top) {
-        change.hold = kappa * (square - t->a_max * t->a_max) / t->a_max;
         peak = t->a_max;
+        first = peak - a0;
+        last = peak - a1;
+        gain -= first * (peak + a0) * half_rise + last * (peak + a1) * half_fall;
+        change.hold = larger(gain, 0.0) / peak;
+    } else {
+        first = above(peak, a0, gain, a1, half_fall, kappa);
+        last = above(peak, a1, gain, a0, half_rise, kappa);
     }
-    rising = (peak - a0) * rise_time;
-    falling = (peak - a1) * fall_time;
-    change.distance = ramp_in(&v, a0, peak, rising);
-    change.distance += (v + 0.5 * peak * change.hold) * change.hold;
-    v += peak * change.hold;
-    change.distance += ramp_in(&v, peak, a1, falling);
-    change.duration = rising + change.hold + falling;
     change.peak = peak;
+    change.first = first / t->rise;
+    change.last = last / t->fall;
     change.jerk = t->rise;
     change.back = -t->fall;
+    change.duration = change.first + change.hold + change.last;
+    change.distance = distance_of(t, &change);
     return change;
 }
 
@@ -43,10 +61,10 @@ jounce_change jounce_change_velocity(const jounce_task *t) {
     jerk = t->a1 >= t->a0 ? t->rise : -t->fall;
     back = t->a1 >= t->a0 ? -t->fall : t->rise;
     straight = 0.5 * (t->a1 - t->a0) * (t->a1 + t->a0) / jerk;
-    squares = (t->a0 * t->a0 + t->a1 * t->a1) / smaller(t->rise, t->fall);
+    squares = (t->a0 * t->a0 + t->a1 * t->a1) / magnitude(jerk);
     if (magnitude(gain - straight) <=
         ROUNDING * (magnitude(t->v0) + magnitude(t->v1) + squares)) {
-        change.duration = (t->a1 - t->a0) / jerk;
+        change.first = change.duration = (t->a1 - t->a0) / jerk;
         change.distance = ramp(&v, t->a0, t->a1, jerk);
         change.peak = t->a1;
         change.jerk = jerk;
@@ -77,15 +95,14 @@ int jounce_change_leaves_bounds(const jounce_task *t, const jounce_change *chang
 
 void jounce_change_pieces(const jounce_task *t, const jounce_change *change, double x,
                           jounce_motion *motion) {
-    double v = t->v0, peak = change->peak, hold = change->hold;
+    double v = t->v0, w = t->v1, peak = change->peak, hold = change->hold, end;
     if (!is_finite(t->rise)) {
         jounce_add(motion, hold, x, v, peak, 0.0);
         return;
     }
-    jounce_add(motion, (peak - t->a0) / change->jerk, x, v, t->a0, change->jerk);
-    x += ramp(&v, t->a0, peak, change->jerk);
+    jounce_add(motion, change->first, x, v, t->a0, change->jerk);
+    end = x + change->distance + ramp_in(&w, t->a1, peak, -change->last);
+    x += ramp_in(&v, t->a0, peak, change->first);
     jounce_add(motion, hold, x, v, peak, 0.0);
-    x += (v + 0.5 * peak * hold) * hold;
-    v += peak * hold;
-    jounce_add(motion, (t->a1 - peak) / change->back, x, v, peak, change->back);
+    jounce_add(motion, change->last, end, w, peak, change->back);
 }

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike
 
-    from ..analysis.margins.many_loops import ManyMargins
+    from ..analysis.margins.many_margins import ManyMargins
     from ..shaping.pieces import FloatArray
 
 TITLES = {

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from jounce.analysis.margins.many_loops import ManyMargins, many_loop_margins
+from jounce.analysis.margins.many_margins import ManyMargins, many_loop_margins
 from jounce.plant import design_pid
 
 NAMES = [field.name for field in dataclasses.fields(ManyMargins)][1:]

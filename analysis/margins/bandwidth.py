@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from .batch_crossings import OnePieces, solve
-from .batch_loops import Slopes
-from .batch_modulus import distance
 from .factored_loop import Real
+from .many_crossings import OnePieces, solve
+from .many_loops import Slopes
+from .many_modulus import distance
 
 _SPREAD = 0.1
 _NARROW = 1e-14

@@ -1,322 +1,292 @@
-"""Stability margins of many loops at once, rational ones with a delay, on arrays."""
+"""Many open-loop transfers L(s), rational with a delay, on arrays: their values and slopes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numpy.typing import ArrayLike
 
-from ...plant import PID, Inertia
-from ...shaping.checks import of_kind
-from ...shaping.drawing import draw
-from ...shaping.frozen import Frozen
-from ...shaping.trajectory_checks import finite_array
-from .batch_crossings import pieces_of, stable
-from .batch_loops import Mask, loops_of
-from .batch_margins import gain_margins, phase_and_delay
-from .batch_modulus import modulus
-from .batch_roots import roots, trimmed
-from .factored_loop import DAMPING_FLOOR, Real
+from .factored_loop import Complex, Real
+from .imaginary_axis import set_on_axis
+from .many_roots import degrees, roots, trimmed
+from .many_turning_points import turning_points
+from .turning_points import TOUCH_TOLERANCE
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+Mask = npt.NDArray[np.bool_]
 
-_CHUNK = 4096  # loops whose arrays stay in the processor's cache
+BESIDE = 1e-9
+"""Frequencies this near, relative to one another, are taken for the same."""
+
+_FAR = 1e8
+_HIGHEST = 1e200
+_MOST = 600.0
+_TURN = 2.0 * np.pi
+
+
+class Slopes(NamedTuple):
+    """ln |L|, turns, and the first two derivatives of ln L by ln ω."""
+
+    gain: Real
+    turns: Real
+    first: Complex
+    second: Complex
 
 
 @dataclass(frozen=True, eq=False)
-class ManyMargins(Frozen):
-    """Margins of many negative-feedback loops, arrays of one shape, read-only.
+class Loops:
+    """L(s) = e^g·s^k·N(s)/D(s)·e^(−τs) of B loops, in units of `scale` rad/s.
 
-    As in `LoopMargins`: what nothing limits is inf, and its frequency nan; a frequency is 0 or
-    inf where the value is a limit; all margins of an unstable loop are nan. Indexing gives the
-    margins of some of the loops.
+    N and D are rows of coefficients in ascending powers, with N(0) and D(0) other than zero.
+    Phases are counted in turns from −π: L is real and negative where `turns` is whole.
 
     Attributes
     ----------
-    stable : array of bool
-    crossover_hz : array
-        Gain crossover where the phase margin is taken.
-    phase_margin_deg : array
-        Smallest angle, in either direction, from L to −1 over all crossovers.
-    lower_gain_margin_db, upper_gain_margin_db : array
-        How far the gain may fall, and rise, before the loop is unstable; both positive.
-    lower_gain_margin_hz, upper_gain_margin_hz : array
-        Where L is real and negative at those gains.
-    delay_margin_s, delay_margin_hz : array
-        Smallest added delay that destabilises, and its crossover.
-    modulus_margin, modulus_margin_hz : array
-        min |1 + L|, the distance from −1.
+    log_gain, power, delay, scale : (B,) arrays
+        g, k, τ and the unit.
+    offset : (B,) array
+        Turns of the factors other than s − z, s − p and e^(−τs), in quarters.
+    hidden : (B,) array of bool
+        Whether a zero hides a pole on the axis: no feedback can move it.
+    numerator, denominator : (B, M + 1) and (B, N + 1) arrays
+    zeros, poles : (B, M) and (B, N) arrays of complex
+        Roots of N and D.
     """
 
-    stable: Mask
-    crossover_hz: Real
-    phase_margin_deg: Real
-    lower_gain_margin_db: Real
-    lower_gain_margin_hz: Real
-    upper_gain_margin_db: Real
-    upper_gain_margin_hz: Real
-    delay_margin_s: Real
-    delay_margin_hz: Real
-    modulus_margin: Real
-    modulus_margin_hz: Real
+    log_gain: Real
+    power: Real
+    delay: Real
+    scale: Real
+    offset: Real
+    hidden: Mask
+    numerator: Real
+    denominator: Real
+    zeros: Complex
+    poles: Complex
 
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            array = np.asarray(getattr(self, field.name)).view()
-            array.flags.writeable = False
-            object.__setattr__(self, field.name, array)
+    def __len__(self) -> int:
+        return len(self.power)
+
+    def take(self, rows: Any) -> Loops:
+        """Return some of the loops."""
+        return Loops(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    @cached_property
+    def ends(self) -> tuple[Real, Real]:
+        """Frequencies below and above which L is its asymptote, every |L| = 1 between them."""
+        return _ends(self)
+
+    @cached_property
+    def rise(self) -> Real:
+        """The power of s that L tends to at high frequencies, (B,)."""
+        return self.power + degrees(self.numerator) - degrees(self.denominator)
+
+    @cached_property
+    def limits(self) -> tuple[Real, Real]:
+        """Return ln |L| at ω = 0 and ω → ∞, (B,)."""
+        first, last = (_asymptote(self, at_end) for at_end in (False, True))
+        low = np.where(self.power == 0, first, -np.inf * self.power)
+        high = np.where(self.rise == 0, last, np.inf * self.rise)
+        return low, high
+
+    @cached_property
+    def turns_at_limits(self) -> tuple[Real, Real]:
+        """Return the turns at ω = 0 and those of the rational part at ω → ∞, exact quarters."""
+        quarters = [
+            np.rint(4.0 * _turned(np.full((len(self), 1), end), self.zeros, self.poles)[:, 0])
+            for end in (0.0, np.inf)
+        ]
+        return self.offset + 0.25 * quarters[0], self.offset + 0.25 * quarters[1]
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of every array."""
-        return self.stable.shape
+    def endless(self) -> Mask:
+        """Which loops stand no delay at all, (B,): |L| ≥ 1 as ω → ∞."""
+        return np.asarray(self.limits[1] >= -TOUCH_TOLERANCE)
 
-    def __getitem__(self, index: Any) -> ManyMargins:
-        """Return the margins of some of the loops."""
-        return ManyMargins(*(getattr(self, field.name)[index] for field in fields(self)))
+    @property
+    def beside(self) -> float:
+        """How near to a root of the axis a frequency is beside it, relative."""
+        return BESIDE
 
-    def __repr__(self) -> str:
-        return f"ManyMargins(shape={self.shape}, stable={int(np.count_nonzero(self.stable))})"
+    def turning_points(self) -> tuple[Real, Real]:
+        """Return ω, nan for none, among them all where the gain turns, and where the phase."""
+        return turning_points(self.numerator, self.denominator, self.power, self.delay)
 
-    def plot(
-        self,
-        x: ArrayLike,
-        y: ArrayLike,
-        *,
-        margin: str = "phase_margin_deg",
-        ax: Axes | None = None,
-        levels: Sequence[float] | None = None,
-        xlabel: str = "",
-        ylabel: str = "",
-    ) -> Axes:
-        """Draw the contours of a margin over a plane of loops, unstable ones hatched.
+    def radians(self, omega: Real) -> Real:
+        """Return frequencies in radians a unit of time."""
+        return omega
 
-        Parameters
-        ----------
-        x, y : (N,) and (M,) arrays
-            What varies along the last and the first axis of the margins, of shape (M, N).
-        margin : str, optional
-            Name of the margin.
-        ax : Axes, optional
-            Default: pyplot's current ones.
-        levels : sequence of float, optional
-            Of the contours; default: chosen to fit.
-        xlabel, ylabel : str, optional
-            With units.
-        """
-        drawn: Axes = draw(
-            self, ax, x=x, y=y, margin=margin, levels=levels, xlabel=xlabel, ylabel=ylabel
+    def gain(self, omega: Real) -> Real:
+        """Return ln |L(jω)| at (B, K) frequencies."""
+        alpha, beta = omega / (1.0 + omega), 1.0 / (1.0 + omega)
+        return self._gain(omega, *(_on_axis(part, alpha, beta) for part in self._parts))
+
+    def gain_and_turns(self, omega: Real) -> tuple[Real, Real]:
+        """Return ln |L(jω)| and its turns at (B, K) frequencies."""
+        alpha, beta = omega / (1.0 + omega), 1.0 / (1.0 + omega)
+        values = [_on_axis(part, alpha, beta) for part in self._parts]
+        return self._gain(omega, *values), self._turns(omega, *values)
+
+    def slopes(self, omega: Real) -> Slopes:
+        """Return everything at (B, K) frequencies."""
+        alpha, beta = omega / (1.0 + omega), 1.0 / (1.0 + omega)
+        values, first, second = [], [], []
+        for part in self._parts:
+            index = np.arange(part.shape[1])
+            value = _on_axis(part, alpha, beta)
+            s_p = _on_axis(part * index, alpha, beta) / value
+            s_s_p = _on_axis(part * (index * (index - 1)), alpha, beta) / value
+            values.append(value)
+            first.append(s_p)
+            second.append(s_p + s_s_p - s_p * s_p)
+        lag = 1j * self.delay[:, None] * omega
+        return Slopes(
+            self._gain(omega, *values),
+            self._turns(omega, *values),
+            self.power[:, None] + first[0] - first[1] - lag,
+            second[0] - second[1] - lag,
         )
-        return drawn
+
+    @property
+    def _parts(self) -> tuple[Real, Real]:
+        return self.numerator, self.denominator
+
+    def _gain(self, omega: Real, numerator: Complex, denominator: Complex) -> Real:
+        ratio = np.log(abs(numerator)) - np.log(abs(denominator))
+        excess = self.numerator.shape[1] - self.denominator.shape[1]
+        wide = self.log_gain[:, None] + self.power[:, None] * np.log(omega)
+        return np.asarray(np.clip(ratio + wide + excess * np.log1p(omega), -_MOST, _MOST))
+
+    def _turns(self, omega: Real, numerator: Complex, denominator: Complex) -> Real:
+        """Roots tell how often the phase turns, the coefficients where it is within a turn."""
+        counted = _turned(omega, self.zeros, self.poles) + self.offset[:, None]
+        turns = (np.angle(numerator) - np.angle(denominator)) / _TURN
+        turns += 0.5 + 0.25 * self.power[:, None]
+        turns += np.rint(counted - turns)
+        return turns - omega * (self.delay[:, None] / _TURN)
 
 
-def many_loop_margins(
-    numerator: ArrayLike, denominator: ArrayLike, *, delay: ArrayLike = 0.0
-) -> ManyMargins:
-    """Return the margins of many unity negative-feedback loops: `loop_margins` on arrays.
-
-        L(s) = N(s)/D(s)·e^(−s·delay)
-
-    The delay is not approximated. The three arguments are broadcast against one another.
-
-    Parameters
-    ----------
-    numerator, denominator : (..., m + 1) and (..., n + 1) arrays
-        Real coefficients of N and D, the highest power first, as in python-control; zeros in
-        front are dropped. Continuous time, in rad/s. Improper loops are accepted.
-    delay : (...) array, optional
-        In seconds, zero or positive.
-
-    Returns
-    -------
-    ManyMargins
-        With arrays of the broadcast shape. Frequencies in Hz, gains in dB, angles in degrees,
-        delays in seconds.
-
-    Raises
-    ------
-    TypeError
-        For complex coefficients.
-    ValueError
-        For arrays that do not fit or are not finite, a denominator that is zero, or a negative
-        delay. Unstable loops raise nothing, nor do ill-posed ones, L(∞) = −1: they are unstable.
-
-    Notes
-    -----
-    Nothing is searched for on a grid. Roots of polynomials in ω² cut the frequency axis where
-    gain or phase turn; each piece is searched for the crossing that it can hold, on L(jω) itself.
-    Stability is Nyquist's criterion, counted from the phases at the gain crossovers, so that a
-    long delay costs no more than a short one. A loop whose phase margin is below 1e-10 rad
-    counts as unstable.
-
-    Margins of well-conditioned loops agree with `loop_margins` to 1e-9 relative, mostly to 1e-12.
-    A delay that turns the phase n times by the crossover costs it log10(n) digits. The modulus
-    margin is found by branch and bound: nowhere is |1 + L| smaller by more than 10 %, by bounds
-    that hold but for rounding, and the minimum itself is solved for to rounding. Roots nearer to
-    the axis than a damping ratio of 1e-13 count as undamped.
-
-    A PID on an inertia takes about 30 µs, a loop of order 8 some 0.15 ms; memory beside the
-    results stays below 100 MB.
-
-    References
-    ----------
-    H. Nyquist, "Regeneration theory", Bell System Technical Journal 11 (1932) 126-147.
-
-    Examples
-    --------
-    >>> margins = many_loop_margins([1.0], [1.0, 1.0, 0.0], delay=[0.0, 0.5, 2.0])
-    >>> margins.phase_margin_deg.round(3)
-    array([51.827, 29.306,    nan])
-    """
-    num, den = _coefficients("numerator", numerator), _coefficients("denominator", denominator)
-    delays = _delays(delay)
-    shapes = num.shape[:-1], den.shape[:-1], delays.shape
-    try:
-        shape = np.broadcast_shapes(*shapes)
-    except ValueError:
-        raise ValueError(
-            f"numerators of shape {shapes[0]}, denominators of {shapes[1]} and delays of "
-            f"{shapes[2]} do not fit: expected shapes that broadcast, coefficients on a last axis"
-        ) from None
-    _check_denominator(den)
-    return _margins(
-        np.broadcast_to(num, (*shape, num.shape[-1])),
-        np.broadcast_to(den, (*shape, den.shape[-1])),
-        np.broadcast_to(delays, shape)[..., None],
+def loops_of(numerator: Real, denominator: Real, delay: Real) -> Loops:
+    """Return loops from rows of coefficients, the highest power first, no row all zeros."""
+    (n, n_low), (d, d_low) = (trimmed(part[:, ::-1]) for part in (numerator, denominator))
+    power = n_low - d_low
+    unit = _unit(n, d, power, delay)
+    (n, n_exponent), (d, d_exponent) = (_in_units(part, unit) for part in (n, d))
+    log_gain = np.log(2.0) * (n_exponent - d_exponent + power * unit)
+    zeros, poles = (set_on_axis(roots(part)) for part in (n, d))
+    opposite = (_leading(n) < 0.0) != (_leading(d) < 0.0)
+    return Loops(
+        log_gain,
+        power.astype(float),
+        np.ldexp(delay, unit),
+        np.exp2(unit.astype(float)),
+        0.5 + 0.25 * power + 0.5 * opposite,
+        _cancelled(zeros, poles) | (np.minimum(n_low, d_low) > 0),
+        *(n, d, zeros, poles),
     )
 
 
-def servo_margins(
-    inertia: Inertia | ArrayLike, controller: PID, *, gain: ArrayLike = 1.0, delay: ArrayLike = 0.0
-) -> ManyMargins:
-    """Return the margins of one PID on many inertias, at many gains and delays.
-
-        L(s) = gain·(kr·s² + kp·s + ki)/(J·s³)·e^(−s·delay)
-
-    Parameters
-    ----------
-    inertia : Inertia or array
-        J, positive.
-    controller : PID
-    gain : array, optional
-        By which the whole loop's gain is multiplied.
-    delay : array, optional
-        In seconds, zero or positive.
-
-    Returns
-    -------
-    ManyMargins
-        Of the shape that `inertia`, `gain` and `delay` broadcast to.
-
-    Raises
-    ------
-    TypeError
-        If `controller` is not a PID.
-    ValueError
-        For an inertia that is not positive, or as `many_loop_margins` does.
-
-    Examples
-    --------
-    >>> from jounce.plant import design_pid
-    >>> pid = design_pid(1.0, crossover_hz=1, phase_margin_deg=45, lower_gain_margin_db=12)
-    >>> margins = servo_margins([[0.5], [1.0], [2.0]], pid, delay=[0.0, 0.05])
-    >>> margins.phase_margin_deg.round(1)
-    array([[64.3, 31.8],
-           [45. , 27. ],
-           [21.8, 10.7]])
-    """
-    of_kind("controller", controller, PID, "a PID")
-    given = inertia.J if isinstance(inertia, Inertia) else inertia
-    moments, gains = finite_array("inertia", given), finite_array("gain", gain)
-    _refuse("inertia", moments, moments <= 0.0, "expected positive inertias")
-    rates = [controller.kr, controller.kp, controller.ki]
-    powers = [1.0, 0.0, 0.0, 0.0]
-    if controller.ki == 0.0:
-        rates, powers = rates[:-1], powers[:-1]
-    return many_loop_margins(
-        gains[..., None] * np.array(rates), moments[..., None] * np.array(powers), delay=delay
-    )
+def _leading(rows: Real) -> Real:
+    return np.asarray(rows[np.arange(len(rows)), degrees(rows)])
 
 
-def _coefficients(name: str, given: ArrayLike) -> Real:
-    rows = np.atleast_1d(finite_array(name, given))
-    if not rows.shape[-1]:
-        raise ValueError(f"{name} of shape {rows.shape} has no coefficients along its last axis")
-    return rows
+def _turned(omega: Real, zeros: Complex, poles: Complex) -> Real:
+    """Return the turns of all s − z less those of all s − p."""
+    return (_arguments(omega, zeros) - _arguments(omega, poles)) / _TURN
 
 
-def _delays(delay: ArrayLike) -> Real:
-    delays = finite_array("delay", delay)
-    _refuse("delay", delays, delays < 0.0, "expected delays of zero or more")
-    return delays
+def _cancelled(zeros: Complex, poles: Complex) -> Mask:
+    """Which loops have a pole on the axis, other than at 0, where there is a zero, (B,)."""
+    on_axis = (poles.real == 0.0) & (poles.imag > 0.0)
+    hidden = np.zeros(len(poles), dtype=bool)
+    [some] = np.nonzero(on_axis.any(axis=1))
+    gaps = abs(poles[some, :, None] - np.where(np.isfinite(zeros), zeros, np.inf)[some, None, :])
+    near = (gaps <= BESIDE * abs(poles[some])[:, :, None]).any(axis=2)
+    hidden[some] = (on_axis[some] & near).any(axis=1)
+    return hidden
 
 
-def _check_denominator(rows: Real) -> None:
-    zero = ~rows.any(axis=-1)
-    if zero.any():
-        where = ", ".join(str(i) for i in np.argwhere(zero)[0])
-        element = f"denominator[{where}]" if where else "denominator"
-        raise ValueError(
-            f"{element} = {rows[zero][0].tolist()}: expected a polynomial other than 0"
-        )
+def _unit(numerator: Real, denominator: Real, power: Real, delay: Real) -> Real:
+    """Return the power of two next to the geometric mean of the corner frequencies."""
+    rows = np.arange(len(power))
+    count = np.zeros(len(power))
+    total = np.zeros(len(power))
+    for part in (numerator, denominator):
+        degree = degrees(part)
+        count += degree
+        total += np.log2(abs(part[:, 0])) - np.log2(abs(part[rows, degree]))
+    level = np.log2(abs(numerator[:, 0])) - np.log2(abs(denominator[:, 0]))
+    crossing = np.where(power != 0, -level / power, np.where(delay > 0, -np.log2(delay), 0.0))
+    mean = np.where(count > 0, total / count, crossing)
+    return np.rint(mean).astype(int)
 
 
-def _refuse(name: str, values: Real, wrong: npt.NDArray[np.bool_], expected: str) -> None:
-    if wrong.any():
-        place = tuple(np.argwhere(wrong)[0])
-        where = f"[{', '.join(str(i) for i in place)}]" if place else ""
-        raise ValueError(f"{name}{where} = {values[place]}: {expected}")
+def _in_units(rows: Real, unit: Real) -> tuple[Real, Real]:
+    """Return polynomials of s in units of 2^unit, and the power of two taken out of them."""
+    mantissa, exponent = np.frexp(rows)
+    exponent = exponent + unit[:, None] * np.arange(rows.shape[1])
+    largest = np.where(rows != 0, exponent, np.iinfo(np.int64).min).max(axis=1, initial=-(2**60))
+    scaled = np.ldexp(mantissa, np.maximum(exponent - largest[:, None], -4000))
+    return scaled[:, : degrees(scaled).max(initial=0) + 1], largest
 
 
-def _margins(numerator: Real, denominator: Real, delay: Real) -> ManyMargins:
-    """Return the margins of loops of one shape, a chunk at a time."""
-    shape = delay.shape[:-1]
-    count = int(np.prod(shape))
-    good = np.zeros(count, dtype=bool)
-    found = {field.name: np.full(count, np.nan) for field in fields(ManyMargins)[1:]}
-    with np.errstate(all="ignore"):
-        for i in range(0, count, _CHUNK):
-            some = np.arange(i, min(i + _CHUNK, count))
-            index = np.unravel_index(some, shape) if shape else np.newaxis
-            _put(good, found, some, *(part[index] for part in (numerator, denominator, delay)))
-    arrays = {name: values.reshape(shape) for name, values in found.items()}
-    return ManyMargins(stable=good.reshape(shape), **arrays)
+def _on_axis(rows: Real, alpha: Real, beta: Real) -> Complex:
+    """Return P(jω)/(1 + ω)^degree, with α = ω/(1 + ω) and β = 1/(1 + ω): it cannot overflow."""
+    last = rows.shape[1] - 1
+    real, imaginary = np.broadcast_to(rows[:, last, None], alpha.shape), np.zeros_like(alpha)
+    power = np.ones_like(alpha)
+    for i in range(last - 1, -1, -1):
+        power = power * beta
+        real, imaginary = rows[:, i, None] * power - alpha * imaginary, alpha * real
+    value = np.empty(alpha.shape, dtype=complex)
+    value.real, value.imag = real, imaginary
+    return value
 
 
-def _put(
-    good: Mask, found: dict[str, Real], some: Any, numerator: Real, denominator: Real, delay: Real
-) -> None:
-    """Put the margins of some loops in place."""
-    silent = ~numerator.any(axis=1)
-    _put_silent(good, found, some[silent], denominator[silent])
-    some, num, den, delay = (part[~silent] for part in (some, numerator, denominator, delay))
-    pieces = pieces_of(loops_of(num, den, delay[:, 0]))
-    good[some] = kept = stable(pieces)
-    some, pieces = some[kept], pieces.take(kept)
-    if not some.size:
-        return
-    margins, crossings = gain_margins(pieces)
-    margins |= phase_and_delay(pieces)
-    margins["modulus_margin"], margins["modulus_margin_hz"] = modulus(pieces, crossings)
-    scale = pieces.loops.scale
-    units = {"hz": scale / (2.0 * np.pi), "s": 1.0 / scale}
-    for name, values in margins.items():
-        found[name][some] = values * units.get(name.rsplit("_", 1)[1], 1.0)
+def _arguments(omega: Real, found: Complex) -> Real:
+    """Sum of arg(jω − r) over the roots, continuous; a root on the axis is passed on its right."""
+    total = np.zeros(omega.shape)
+    for root in found.T:
+        real, imaginary = root.real[:, None], root.imag[:, None]
+        angle = np.arctan2(omega - imaginary, abs(real))
+        angle = np.where(real > 0, np.pi - angle, angle)
+        total += np.where(np.isfinite(real), angle, 0.0)
+    return total
 
 
-def _put_silent(good: Mask, found: dict[str, Real], some: Any, denominator: Real) -> None:
-    """Put the margins of loops in place that have no gain at all."""
-    rows, integrators = trimmed(denominator[:, ::-1])
-    poles = roots(rows)
-    damped = (-poles.real > DAMPING_FLOOR * abs(poles)) | ~np.isfinite(poles)
-    good[some] = kept = damped.all(axis=1) & (integrators == 0)
-    some = some[kept]
-    for name in ("phase_margin_deg", "lower_gain_margin_db", "upper_gain_margin_db"):
-        found[name][some] = np.inf
-    found["delay_margin_s"][some] = np.inf
-    found["modulus_margin"][some], found["modulus_margin_hz"][some] = 1.0, 0.0
+def _asymptote(loops: Loops, at_end: bool) -> Real:
+    """Return ln |c| of the asymptote c·s^k at the lowest or highest frequencies, (B,)."""
+    rows = np.arange(len(loops))
+    coefficients = [
+        part[rows, degrees(part) if at_end else 0] for part in (loops.numerator, loops.denominator)
+    ]
+    return np.asarray(loops.log_gain + np.log(abs(coefficients[0])) - np.log(abs(coefficients[1])))
+
+
+def _ends(loops: Loops) -> tuple[Real, Real]:
+    low, high = np.full(len(loops), np.inf), np.zeros(len(loops))
+    rows = np.arange(len(loops))
+    for part in (loops.numerator, loops.denominator):
+        logs = np.log(abs(part))
+        degree = degrees(part)
+        for i in range(1, part.shape[1]):
+            low = np.fmin(low, np.exp((logs[:, 0] - logs[:, i]) / i))
+            below = degree - i
+            corner = np.exp((logs[rows, below] - logs[rows, degree]) / i)
+            high = np.where(below >= 0, np.fmax(high, corner), high)
+    for at_end, slope in ((False, loops.power), (True, loops.rise)):
+        crossing = np.exp(-_asymptote(loops, at_end) / slope)
+        crossing = np.where(slope != 0, crossing, np.nan)
+        if (crossing > _HIGHEST / _FAR).any() or (crossing < _FAR / _HIGHEST).any():
+            raise ValueError(
+                "a loop has |L| = 1 so far from its zeros and poles that frequencies leave the "
+                "range of a double: choose units nearer to the problem's own"
+            )
+        low, high = np.fmin(low, crossing), np.fmax(high, crossing)
+    pace = np.where(loops.delay > 0, 1.0 / loops.delay, np.nan)
+    low, high = np.fmin(low, pace), np.fmax(high, pace)
+    low = np.where(np.isfinite(low), low, 1.0)
+    high = np.where(high > 0, high, 1.0)
+    return np.maximum(low / _FAR, 1.0 / _HIGHEST), np.minimum(high * _FAR, _HIGHEST)

@@ -8,13 +8,13 @@ import numpy as np
 from ...plant.servo_loop import ServoLoop
 from ...shaping.checks import finite
 from .bandwidth import bandwidth
-from .batch_crossings import OnePieces, Pieces, pieces_of
-from .batch_crossings import stable as is_stable_by_count
-from .batch_margins import at_edges, at_limits, gain_margins_at, phase_and_delay
-from .batch_modulus import DISTANCE, QUOTIENT, Measure, modulus
 from .delayed_poles import rightmost_poles
 from .factored_loop import Complex, FactoredLoop, Real, is_stable
 from .factoring import factored
+from .many_crossings import OnePieces, Pieces, pieces_of
+from .many_crossings import stable as is_stable_by_count
+from .many_gain_and_phase import at_edges, at_limits, gain_margins_at, phase_and_delay
+from .many_modulus import DISTANCE, QUOTIENT, Measure, modulus
 from .passages import Passages, passages
 from .result import LoopMargins
 from .rooted_loops import rooted

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .batch_crossings import OnePieces
-from .batch_margins import level_crossings, with_limits
 from .factored_loop import Real
+from .many_crossings import OnePieces
+from .many_gain_and_phase import level_crossings, with_limits
 
 
 class Passages(NamedTuple):

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .batch_loops import Mask, Slopes
-from .crossings import TOUCH_TOLERANCE, phase_points, stationary_points
 from .factored_loop import DAMPING_FLOOR, Complex, FactoredLoop, Real, is_stable
+from .many_loops import Mask, Slopes
+from .turning_points import TOUCH_TOLERANCE, phase_points, stationary_points
 
 _BESIDE = 1e-11
 _FAR = 1e8

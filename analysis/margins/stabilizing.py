@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from .batch_crossings import OnePieces
-from .batch_crossings import stable as is_stable_by_count
-from .batch_loops import Mask
-from .batch_margins import at_edges, at_limits
-from .crossings import TOUCH_TOLERANCE
 from .factored_loop import DAMPING_FLOOR, Real
+from .many_crossings import OnePieces
+from .many_crossings import stable as is_stable_by_count
+from .many_gain_and_phase import at_edges, at_limits
+from .many_loops import Mask
 from .passages import Passages, below, whole_turns
+from .turning_points import TOUCH_TOLERANCE
 
 Intervals = tuple[tuple[float, float], ...]
 

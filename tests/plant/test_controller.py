@@ -88,7 +88,7 @@ def test_any_system_is_a_filter():
     assert of_sections(own, z) == pytest.approx(of_sections(given.sections, z), rel=1e-9)
 
 
-@pytest.mark.parametrize("sensor", ["motor", "load", "both"])
+@pytest.mark.parametrize("sensor", ["motor", "load"])  # with both CS is of the load's alone
 @pytest.mark.parametrize("law", [PID_LAW, CASCADE], ids=["pid", "cascade"])
 def test_the_core_runs_what_the_sampled_controller_says(law, sensor):
     """The answer to an error of one sample of the encoder is −CS's impulse response."""
@@ -104,8 +104,6 @@ def test_the_core_runs_what_the_sampled_controller_says(law, sensor):
     noise = np.zeros(200)
     noise[3] = 1e-3
     response = loop.respond(Ramp(0.0), T, duration=0.2, noise=noise)
-    if sensor == "both":  # there CS is of the position's encoder alone, noise of both
-        return
     expected = control.forced_response(loop.sensitivity().CS, np.arange(200) * T, noise)
     np.testing.assert_allclose(
         response.run.samples[:, 2], -expected.outputs, rtol=0, atol=1e-11 * 60.0

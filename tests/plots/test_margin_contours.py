@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
-from jounce.analysis.margins.many_loops import ManyMargins, many_loop_margins, servo_margins
+from jounce.analysis.margins.many_margins import ManyMargins, many_loop_margins, servo_margins
 from jounce.plant import design_pid
 from jounce.plots.margin_contours import TITLES, plot_margin_contours
 

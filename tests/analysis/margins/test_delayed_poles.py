@@ -8,10 +8,10 @@ import pytest
 from scipy.special import lambertw
 
 from jounce.analysis.margins import loop_margins, many_loop_margins
-from jounce.analysis.margins.batch_crossings import pieces_of
-from jounce.analysis.margins.batch_crossings import stable as is_stable
 from jounce.analysis.margins.delayed_poles import rightmost_poles
 from jounce.analysis.margins.factoring import factored
+from jounce.analysis.margins.many_crossings import pieces_of
+from jounce.analysis.margins.many_crossings import stable as is_stable
 from jounce.analysis.margins.rooted_loops import rooted
 from jounce.plant import design_pid
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.batch_modulus import DISTANCE, QUOTIENT
+from jounce.analysis.margins.many_modulus import DISTANCE, QUOTIENT
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 S = control.tf("s")

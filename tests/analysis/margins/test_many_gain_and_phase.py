@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.margins.batch_crossings import pieces_of
-from jounce.analysis.margins.batch_loops import loops_of
-from jounce.analysis.margins.batch_margins import gain_margins, least, phase_and_delay
+from jounce.analysis.margins.many_crossings import pieces_of
+from jounce.analysis.margins.many_gain_and_phase import gain_margins, least, phase_and_delay
+from jounce.analysis.margins.many_loops import loops_of
 
 
 @pytest.fixture(autouse=True)

@@ -13,11 +13,11 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from .batch_loops import Loops, Mask
-from .batch_turning import packed
-from .crossings import TOUCH_TOLERANCE
 from .factored_loop import DAMPING_FLOOR, Real
+from .many_loops import Loops, Mask
+from .many_turning_points import packed
 from .rooted_loops import RootedLoops
+from .turning_points import TOUCH_TOLERANCE
 
 AnyLoops = Loops | RootedLoops
 Kind = TypeVar("Kind", bound=AnyLoops)

@@ -9,7 +9,7 @@ import pytest
 from many_loops import GAINS, NAMES, assert_same, evaluate
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.many_loops import many_loop_margins
+from jounce.analysis.margins.many_margins import many_loop_margins
 
 S = control.tf("s")
 BETA = 3 + 2 * math.sqrt(2)

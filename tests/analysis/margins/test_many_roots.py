@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.margins.batch_roots import degrees, product, roots, summed, trimmed
+from jounce.analysis.margins.many_roots import degrees, product, roots, summed, trimmed
 
 
 def of_roots(places):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from .batch_crossings import Pieces, solve, within
-from .crossings import TOUCH_TOLERANCE
 from .factored_loop import Real
+from .many_crossings import Pieces, solve, within
+from .turning_points import TOUCH_TOLERANCE
 
 SAME = 1e-13
 """Values this near, relative to one another, are equal but for rounding."""

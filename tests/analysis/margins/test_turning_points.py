@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.crossings import phase_points, stationary_points
 from jounce.analysis.margins.factored_loop import FactoredLoop
+from jounce.analysis.margins.turning_points import phase_points, stationary_points
 
 NONE = np.empty(0, complex)
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.margins.batch_crossings import pieces_of
-from jounce.analysis.margins.batch_loops import loops_of
-from jounce.analysis.margins.batch_margins import gain_margins
-from jounce.analysis.margins.batch_modulus import _nearest, _Sectors, distance, modulus
+from jounce.analysis.margins.many_crossings import pieces_of
+from jounce.analysis.margins.many_gain_and_phase import gain_margins
+from jounce.analysis.margins.many_loops import loops_of
+from jounce.analysis.margins.many_modulus import _nearest, _Sectors, distance, modulus
 
 
 @pytest.fixture(autouse=True)

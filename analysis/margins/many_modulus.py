@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .batch_crossings import AnyLoops, Pieces, solve
-from .batch_loops import Slopes
-from .batch_margins import SAME, least
 from .factored_loop import Real
+from .many_crossings import AnyLoops, Pieces, solve
+from .many_gain_and_phase import SAME, least
+from .many_loops import Slopes
 
 SMALL = 0.1
 """Size of a sector, relative to its distance from −1, at which it is no longer divided."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jounce.analysis.margins.batch_crossings import pieces_of, solve, stable, within
-from jounce.analysis.margins.batch_loops import loops_of
+from jounce.analysis.margins.many_crossings import pieces_of, solve, stable, within
+from jounce.analysis.margins.many_loops import loops_of
 
 
 @pytest.fixture(autouse=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .batch_roots import product, roots, summed
 from .factored_loop import Real
+from .many_roots import product, roots, summed
 
 _REAL = 1e-2
 

@@ -7,7 +7,7 @@ import pytest
 from many_loops import GAINS, NAMES, assert_same, random_delayed_loop, together
 
 from jounce.analysis.margins import loop_margins
-from jounce.analysis.margins.many_loops import many_loop_margins, servo_margins
+from jounce.analysis.margins.many_margins import many_loop_margins, servo_margins
 from jounce.plant import PID, Inertia, ServoLoop
 
 
