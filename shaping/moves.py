@@ -29,6 +29,7 @@ def min_time_move(
     method: Method = "optimal",
     duration: float | None = None,
     round_to: float | None = None,
+    rtol: float = 1e-4,
 ) -> Trajectory:
     """Return the move from rest to rest within limits in minimum time, or in a given one.
 
@@ -37,7 +38,8 @@ def min_time_move(
     distance : float
         Signed distance, in the limits' distance unit. Zero gives a trajectory of duration zero.
     limits : Limits
-        Bounds on any of the derivatives 1…n, n ≤ 14; the highest one drives the move.
+        Bounds on any of the derivatives 1…n, n ≤ 14, each the same in both directions or not,
+        absent or zero on a side, and on position; the highest one drives the move.
     start : float, optional
         Position at the start.
     method : "optimal" or "closed-form", optional
@@ -47,9 +49,14 @@ def min_time_move(
     duration : float, optional
         How long the move is to take, the minimum at least. It then cruises at a lower velocity
         where n is 2 or 3; at other orders the fastest move is slowed down as a whole,
-        x(t) → x(t/c), which divides derivative k by c^k.
+        x(t) → x(t/c), which divides derivative k by c^k. Bounds that differ between the
+        directions, from n = 4 on, and bounds on position give the motion that needs the smallest
+        share of the bound on the highest derivative.
     round_to : float, optional
         Sample time: the duration is rounded up to a whole number of samples.
+    rtol : float, optional
+        How near to the proven minimum the duration is to come, relative, where bounds differ
+        between the directions and n ≥ 4.
 
     Returns
     -------
@@ -58,6 +65,8 @@ def min_time_move(
 
     Raises
     ------
+    InfeasibleError
+        Where a bound on position or one that is zero on a side leaves no motion.
     ValueError
         For a distance or start that is not finite, an unknown method, an order above 14, a
         bound that is missing in the direction that the move needs, a duration below the minimum,
@@ -67,13 +76,15 @@ def min_time_move(
     -----
     RuntimeWarning
         Where "optimal" has to return the closed form: an order above 10, or limits so many
-        decades apart that the linear program fails.
+        decades apart that the linear program fails; and where the search ends before `rtol` is
+        reached.
 
     Notes
     -----
-    "optimal" maximises x(T/2) over piecewise-constant x^(n) with |x^(k)| ≤ L_k at all times and
-    x^(k)(T/2) = 0 for even k ≥ 2, and mirrors that half. With bounds active below the highest the
-    exact optimum may switch infinitely often (Wang & Hu): what is returned comes near it.
+    Where bounds on even derivatives are the same in both directions, "optimal" maximises x(T/2)
+    over piecewise-constant x^(n) with |x^(k)| ≤ L_k at all times and x^(k)(T/2) = 0 for even
+    k ≥ 2, and mirrors that half. With bounds active below the highest the exact optimum may switch
+    infinitely often (Wang & Hu): what is returned comes near it.
 
     For n ≤ 3, and wherever only the highest derivative binds (a perfect spline), both methods
     give the minimum time. For n ≥ 4 with lower bounds active the closed forms can miss it: on the
@@ -84,9 +95,9 @@ def min_time_move(
     than one millisecond. Closed forms change smoothly with their limits, moves of "optimal" to
     within their gap only.
 
-    Bounds that differ between directions are used exactly for n ≤ 3. For n ≥ 4 the smaller
-    magnitude of each pair is used from acceleration upward, by "optimal" that of the even
-    derivatives only: feasible, but not the fastest.
+    Bounds that differ between directions are used exactly, those on even derivatives from n = 4 to
+    10 by programs over the whole horizon as in `min_time_transfer`. Closed forms use the smaller
+    magnitude of each pair from acceleration upward from n = 4 on: feasible, but not the fastest.
 
     End position within 1e-12 of the distance (and rounding of start + distance), every bound
     kept to 1e-12 relative, for orders to 10.
@@ -108,11 +119,22 @@ def min_time_move(
     10.25
     """
     one_of("method", method, ("optimal", "closed-form"))
+    if isinstance(limits, Limits) and not (limits.plain and (limits.order < 4 or limits.symmetric)):
+        from .general_moves import general_move
+
+        found_move = general_move(distance, limits, start, (duration, round_to), method, rtol)
+        if found_move is not None:
+            return found_move
     if duration is not None or round_to is not None:
         from .lasting import move_lasting
 
         fastest_move = min_time_move(distance, limits, start=start, method=method)
         return move_lasting(fastest_move, limits, duration, round_to)
+    return plain_move(distance, limits, start, method)
+
+
+def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
+    """Return the fastest move that core, closed forms and half horizon know, positions free."""
     try:
         found = core.move(distance, limits.flat, start, Trajectory, None)
     except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 from math import inf
+from pathlib import Path
 
 import numpy as np
 
@@ -11,13 +13,17 @@ from ..checks import in_range, positive
 from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
-from ..pieces import FloatArray
+from ..pieces import FloatArray, evaluate
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .bound_search import BoundSearch
 from .half_problem import HalfProblem
 from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
-from .smoothing import lower_order, relative_width, truncated
+from .proof import Proof
+from .proof_check import holds
+from .smoothing import even_are_symmetric, lower_order, relative_width, truncated
+from .whole.outcome import check_whole
+from .whole.planner import HIGHEST_ORDER, Plan, planned
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
 _NEXT_TO_NOTHING = 0.5  # of the gap asked for
@@ -25,25 +31,29 @@ _AT_REST = 1e-9  # of a derivative's peak
 _LONG = 6.0  # times the time of the ramps: cruise left in, as velocity may dip after a ramp
 _CELLS = 40
 _LOW_ORDER_TARGET = 1e-9
+_TARGETS = (1.0, 0.5, 0.2)  # of the gap asked for: searches, the next where one was not enough
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """A proof of how near a move is to the minimum time under its limits.
+    """A proof of how near a motion is to the minimum time under its limits.
 
     Attributes
     ----------
     duration : float
-        Of the move.
+        Of the motion.
     lower_bound : float
-        No motion from rest to rest over this distance within the limits is faster.
+        No motion between these states within the limits is faster.
     gap : float
         duration / lower_bound − 1.
     sensitivities : tuple of float
-        dT/dL_k·L_k/T of the lower bound, velocity first: −0.2 for jerk says that raising its limit
-        by 1 % saves 0.2 %. Σ_k k·sensitivity_k = −1; all zero where nothing is proven.
+        dT/dL_k·L_k/T of the lower bound, velocity first, both sides of a bound changed alike: −0.2
+        for jerk says that raising its limit by 1 % saves 0.2 %. From rest to rest, positions
+        free, Σ_k k·sensitivity_k = −1; all zero where nothing is proven.
     rtol : float
         The gap that was asked for.
+    proof : Proof or None
+        The proof as data; None where `lower_bound` rests on the half horizon, or is zero.
     """
 
     duration: float
@@ -51,33 +61,81 @@ class Certificate:
     gap: float
     sensitivities: tuple[float, ...]
     rtol: float
+    proof: Proof | None = None
 
     @property
     def reached(self) -> bool:
         """Whether the gap is as small as was asked for; the bound holds in any case."""
         return self.gap <= self.rtol
 
+    def check(self) -> bool:
+        """Tell whether the proof holds, by rational arithmetic alone (`proof_check`)."""
+        proof = self.proof
+        if proof is None:
+            return self.lower_bound == 0.0
+        if not 0.0 < self.lower_bound <= proof.lower_bound:
+            return False
+        gap = self.duration / self.lower_bound - 1.0
+        return self.gap >= gap - _ROUNDING and holds(proof)
+
+    def save(self, path: str | Path) -> None:
+        """Write the certificate with its proof to a file of JSON."""
+        own = {name: value for name, value in vars(self).items() if name != "proof"}
+        own["gap"] = None if self.gap == inf else self.gap
+        proof = None if self.proof is None else json.loads(self.proof.text())
+        Path(path).write_text(json.dumps({**own, "proof": proof}), encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: str | Path) -> Certificate:
+        """Return the certificate that `save` wrote.
+
+        Raises
+        ------
+        ValueError
+            For a file that is none.
+        """
+        text = Path(path).read_text(encoding="utf-8")
+        try:
+            data = json.loads(text)
+            proof = data["proof"]
+            return cls(
+                float(data["duration"]),
+                float(data["lower_bound"]),
+                inf if data["gap"] is None else float(data["gap"]),
+                tuple(map(float, data["sensitivities"])),
+                float(data["rtol"]),
+                None if proof is None else Proof.from_text(json.dumps(proof)),
+            )
+        except (KeyError, TypeError, AttributeError, ValueError):
+            raise ValueError(
+                f"{str(path)!r} holds no certificate: expected what certificate.save wrote"
+            ) from None
+
 
 def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certificate:
-    """Prove how much faster a rest-to-rest move could be at most.
+    """Prove how much faster a motion between its two states could be at most.
 
-    For any multipliers λ and measures μ_k every motion within the limits has
+    From rest to rest, positions free and bounds on even derivatives the same in both directions,
+    for any multipliers λ and measures μ_k every motion within the limits has
 
         R/2 ≤ L_n·∫|p| dt + Σ_k L_k·‖μ_k‖ = Σ_k c_k·L_k·(T/2)^k
 
     with p the costate that they give (weak duality); the root T is a lower bound. A linear
     program proposes the multipliers, on meshes refined until the gap is at most `rtol` or no
     longer shrinks; the bound is then evaluated from them alone, in extended precision, with a
-    margin for rounding. No error of the solver can make it wrong.
+    margin for rounding. No error of the solver can make it wrong. Between any states, under any
+    bounds, the like holds over the whole horizon: each set of multipliers excludes the durations
+    for which a polynomial is positive, and a chain of them covers all from zero to the bound.
 
     Parameters
     ----------
     trajectory : Trajectory
-        From rest to rest, within the limits.
+        Within the limits; its start and end are the states that are meant.
     limits : Limits
-        Bounds that differ between the directions are taken as they are for odd derivatives, and
-        as their mean for even ones: the bound is then true but need not be near. It is 0 where
-        no derivative is bounded in both directions and velocity not in that of the move.
+        Of order 2 to 10 unless the motion is from rest to rest, positions free. Above order 10 of
+        bounds that differ between the directions the mean counts for even derivatives: the lower
+        bound is then true but need not be near. It is 0 where no derivative is bounded in both
+        directions and velocity not in that of the move.
     rtol : float, optional
         Gap to be reached. It cannot be less than what the move itself is slower than need be.
 
@@ -89,8 +147,9 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     Raises
     ------
     ValueError
-        For a move that does not start and end at rest, breaks its limits by more than 1e-9 or
-        jumps in a derivative that is bounded, or an rtol that is not positive.
+        For a motion that breaks its limits by more than 1e-9 or jumps in a derivative that is
+        bounded, one between moving states under limits of other orders, or an rtol that is not
+        positive.
 
     Notes
     -----
@@ -119,6 +178,15 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     rtol = positive("rtol", rtol)
     move, limits = as_trajectory(trajectory), of_one(limits)
     _check(move, limits)
+    rests = _at_rest(move, limits.order)
+    by_half = rests and limits.plain and even_are_symmetric(limits)
+    if by_half or (rests and not 2 <= limits.order <= HIGHEST_ORDER):
+        return _by_half(move, limits, rtol)
+    check_whole(limits)
+    return in_range(lambda: _by_whole(move, limits, rtol, rests))
+
+
+def _by_half(move: Trajectory, limits: Limits, rtol: float) -> Certificate:
     distance = float(move.end_state[0] - move.start_state[0])
     if distance < 0.0:
         move, limits = move.mirror(), limits.mirror()
@@ -132,21 +200,57 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     return Certificate(move.duration, lower, gap, _sensitivities(terms, limits), rtol)
 
 
+def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Certificate:
+    """Return the certificate of a search, of fewer derivatives where the highest ones spoil it."""
+    n, best = limits.order, None
+    for order in range(n, 1, -1):
+        below = limits if order == n else truncated(limits, order)
+        if below.order < order or not all(np.isfinite(below.bounds(order))):
+            continue
+        start, end = (
+            (float(state[0]), *(0.0 if rests else float(x) for x in state[1:order]))
+            for state in (move.start_state, move.end_state)
+        )
+        found = _of_plan(move.duration, planned(start, end, below), rtol, n)
+        best = found if best is None or found.lower_bound > best.lower_bound else best
+        if best.reached:
+            break
+    assert best is not None
+    return best
+
+
+def _of_plan(duration: float, plan: Plan, rtol: float, order: int) -> Certificate:
+    for target in _TARGETS:
+        if duration <= plan.lower_bound * (1.0 + rtol) or plan.search.gap <= target * rtol:
+            break
+        if duration > plan.lower_bound * (1.0 + plan.search.gap) * (1.0 + rtol):
+            break  # it is the motion that is slow
+        plan = plan.refined(target * rtol)
+    lower = plan.lower_bound
+    if not 0.0 < lower <= duration * (1.0 + _AT_REST):
+        gap = inf if duration > 0.0 else 0.0
+        return Certificate(duration, 0.0, gap, (0.0,) * order, rtol)
+    shares = (*plan.sensitivities[1:], *[0.0] * order)[:order]
+    return Certificate(duration, lower, max(duration / lower - 1.0, 0.0), shares, rtol, plan.proof)
+
+
+def _at_rest(trajectory: Trajectory, order: int) -> bool:
+    return all(
+        abs(float(state[k])) <= _AT_REST * trajectory.peak(k)
+        for state in (trajectory.start_state, trajectory.end_state)
+        for k in range(1, min(order, trajectory.order))
+    )
+
+
 def _check(trajectory: Trajectory, limits: Limits) -> None:
-    """Refuse a motion that is no rest-to-rest move within the limits."""
-    for side, state in (("start", trajectory.start_state), ("end", trajectory.end_state)):
-        for k in range(1, min(limits.order, trajectory.order)):
-            if abs(float(state[k])) > _AT_REST * trajectory.peak(k):
-                raise ValueError(
-                    f"{derivative_name(k)} is {float(state[k]):g} at the {side}: certify takes "
-                    "moves from rest to rest"
-                )
-    if len(trajectory.states) and trajectory.lowest_jump() < limits.order:
-        jump, highest = derivative_name(trajectory.lowest_jump()), derivative_name(limits.order)
+    """Refuse a motion that is not within the limits."""
+    jump = _lowest_jump(trajectory)
+    if len(trajectory.states) and jump < limits.order:
+        name, highest = derivative_name(jump), derivative_name(limits.order)
         raise ValueError(
-            f"{jump} jumps, so that {highest} is unbounded: certify this move under limits up "
-            f"to the derivative after {jump} at most"
-            if jump != "position"
+            f"{name} jumps, so that {highest} is unbounded: certify this move under limits up "
+            f"to the derivative after {name} at most"
+            if jump
             else "position jumps: certify takes continuous motions"
         )
     excess = trajectory.violation(limits)
@@ -155,6 +259,17 @@ def _check(trajectory: Trajectory, limits: Limits) -> None:
             f"the trajectory exceeds a limit by {100.0 * excess:.3g} %: certify a move within "
             "its limits"
         )
+
+
+def _lowest_jump(trajectory: Trajectory) -> int:
+    """Return the lowest derivative that jumps between two pieces, or after the last."""
+    ends = evaluate(trajectory.states.T, trajectory.durations, range(trajectory.order + 1)).T
+    after = np.vstack([trajectory.states[1:], trajectory.end_state])
+    jumps = np.abs(ends - after).max(axis=0, initial=0.0)
+    for k in range(trajectory.order):
+        if jumps[k] > _AT_REST * trajectory.peak(k):
+            return k
+    return trajectory.order
 
 
 def _bounds(

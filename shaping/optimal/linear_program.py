@@ -15,7 +15,7 @@ _TOLERANCE = 1e-9
 _SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
 _ITERATIONS = 20  # per column: more were never of use, the simplex method may cycle for ever
 _MOST_ITERATIONS = 5000
-_SETTINGS: dict[str, bool | int | float | str] = {
+SETTINGS: dict[str, bool | int | float | str] = {
     "output_flag": False,
     "threads": 1,
     "presolve": "off",  # takes longer than it saves: the rows are dense
@@ -79,7 +79,7 @@ class LinearProgram:
     ) -> Solution | None:
         for settings in _OTHER_WAYS:
             self._highs = _started(self.objective, self.matrix, lower, upper, inputs)
-            _set(self._highs, settings)
+            set_options(self._highs, settings)
             self._highs.run()
             if self._solved():
                 solution = self._solution()
@@ -114,9 +114,9 @@ def _started(
 
     library: Any = highspy  # its stubs leave the class out
     highs = library._Highs()  # Highs itself prints a banner before it can be told not to
-    _set(highs, _SETTINGS)
+    set_options(highs, SETTINGS)
     most = min(_ITERATIONS * len(objective), _MOST_ITERATIONS)
-    _set(highs, {"simplex_iteration_limit": most})
+    set_options(highs, {"simplex_iteration_limit": most})
     used = np.abs(matrix) > _SMALLEST
     program = highspy.HighsLp()
     program.num_row_, program.num_col_ = matrix.shape
@@ -132,6 +132,7 @@ def _started(
     return highs
 
 
-def _set(highs: Any, settings: dict[str, bool | int | float | str]) -> None:
+def set_options(highs: Any, settings: dict[str, bool | int | float | str]) -> None:
+    """Set options of HiGHS by name."""
     for name, value in settings.items():
         highs.setOptionValue(name, value)

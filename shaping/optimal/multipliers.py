@@ -17,9 +17,8 @@ from math import comb
 import numpy as np
 
 from ..pieces import FloatArray, RealArray
+from .bernstein import signed_areas
 
-_HALVINGS = 24
-_UNDECIDED = 1e-10  # of the whole integral: what is left uncertain about the sign of p
 _OPERATIONS = 400  # more than the roundings in a row that a value goes through within a cell
 
 
@@ -112,39 +111,13 @@ def signed_integrals(
 ) -> tuple[RealArray, RealArray]:
     """Return upper bounds on ∫ max(p, 0) and ∫ max(−p, 0) over each cell, (N,) each.
 
-    In Bernstein form, a cell is halved until its coefficients have one sign or what remains in
-    doubt is nothing beside the whole.
+    `signed_areas` of the Bernstein form.
     """
     d = len(coefficients) - 1
     upper, lower = (
         np.array([[comb(m, i) for i in range(d + 1)] for m in row], np.longdouble)
         for row in (range(d + 1), [d] * (d + 1))
     )
-    pieces: RealArray = upper / lower @ coefficients * cells / (d + 1)
-    owner = np.arange(len(cells))
-    positive: RealArray = np.zeros(len(cells), np.longdouble)
-    negative: RealArray = np.zeros(len(cells), np.longdouble)
-    whole = np.abs(pieces.sum(axis=0)).sum()
-    for halving in range(_HALVINGS + 1):
-        up, down = np.maximum(pieces, 0.0).sum(axis=0), np.maximum(-pieces, 0.0).sum(axis=0)
-        mixed = np.minimum(up, down) > 0.0
-        if np.minimum(up, down).sum() <= _UNDECIDED * whole or halving == _HALVINGS:
-            mixed[:] = False
-        np.add.at(positive, owner[~mixed], up[~mixed])
-        np.add.at(negative, owner[~mixed], down[~mixed])
-        if not mixed.any():
-            break
-        pieces, owner = _halved(pieces[:, mixed]), np.repeat(owner[mixed], 2)
+    positive, negative = signed_areas(upper / lower @ coefficients * cells / (d + 1))
     doubt = rounding * cells
     return positive + doubt, negative + doubt
-
-
-def _halved(pieces: RealArray) -> RealArray:
-    """Return the Bernstein forms of both halves, next to each other, times their length."""
-    left, right = np.empty_like(pieces), np.empty_like(pieces)
-    d = len(pieces) - 1
-    row = pieces
-    for i in range(d + 1):
-        left[i], right[d - i] = row[0], row[-1]
-        row = 0.5 * (row[1:] + row[:-1])
-    return np.stack([0.5 * left, 0.5 * right], axis=2).reshape(d + 1, -1)

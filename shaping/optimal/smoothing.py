@@ -34,7 +34,15 @@ def averaging_width(limits: Limits, order: int) -> float:
 
 
 def averaged_half(move: Trajectory, order: int, width: float) -> Half:
-    """Return the first half of a symmetric move after q = n − m moving averages, of order n.
+    """Return the first half of a symmetric move after moving averages, see `averaged`."""
+    lengths, inputs = averaged(move, order, width)
+    half = (len(lengths) + 1) // 2
+    lengths = lengths[:half] * np.where(np.arange(half) == len(lengths) // 2, 0.5, 1.0)
+    return Half(lengths, inputs[:half], order, _ROUNDING)
+
+
+def averaged(move: Trajectory, order: int, width: float) -> tuple[RealArray, RealArray]:
+    """Return lengths and inputs of a move's pieces after q = n − m moving averages, of order n.
 
         x^(n)(t) = Σ_j (−1)^j·C(q, j)·x^(m)(t − j·w) / w^q
 
@@ -53,10 +61,7 @@ def averaged_half(move: Trajectory, order: int, width: float) -> Half:
         durations[i:j].sum() - durations[j:i].sum() for i, j in pairwise(edge)
     ]
     kept = lengths > _SAME_TIME * min(durations.min(), w)
-    lengths, averaged = lengths[kept], (signs @ inputs[begun])[:-1][kept] / w**count
-    half = (len(lengths) + 1) // 2
-    lengths = lengths[:half] * np.where(np.arange(half) == len(lengths) // 2, 0.5, 1.0)
-    return Half(lengths, averaged[:half], order, _ROUNDING)
+    return lengths[kept], (signs @ inputs[begun])[:-1][kept] / w**count
 
 
 def relative_width(limits: Limits, order: int, duration: float) -> float:
@@ -68,3 +73,8 @@ def truncated(limits: Limits, order: int) -> Limits:
     """Return the limits without the derivatives above `order`."""
     pairs = zip(limits.lower[:order], limits.upper[:order], strict=True)
     return Limits.from_bounds(pairs)
+
+
+def even_are_symmetric(limits: Limits) -> bool:
+    """Tell whether bounds on even derivatives are the same in both directions."""
+    return all(limits.lower[k] == -limits.upper[k] for k in range(1, limits.order, 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import isfinite, sqrt
+from typing import Any
 
 from ..derivatives import derivative_name
 from ..limits import Limits
@@ -20,24 +21,30 @@ def inside(value: float, low: float, high: float) -> float:
 
 
 class InfeasibleError(ValueError):
-    """Raised for an end that no motion within the limits reaches.
+    """Raised where no motion within the limits leads from the start to the end.
 
     Attributes
     ----------
     bound : str
-        The derivative whose bound stands in the way: "velocity" or "acceleration".
-    nearest : float
-        The nearest value that can be reached, of the end's velocity or acceleration, as the
-        message says.
+        The derivative whose bound stands in the way, such as "velocity"; empty where none is
+        known.
+    nearest : float or None
+        The nearest value that can be reached, of the derivative at the end that the message
+        names, where it names one.
+    time : float or None
+        When that bound would be exceeded, after the start, or before the end (negative), where
+        one of both is a dead end.
     """
 
-    def __init__(self, message: str, bound: str, nearest: float) -> None:
+    def __init__(
+        self, message: str, bound: str, nearest: float | None, time: float | None = None
+    ) -> None:
         super().__init__(message)
-        self.bound, self.nearest = bound, nearest
+        self.bound, self.nearest, self.time = bound, nearest, time
 
-    def __reduce__(self) -> tuple[type[InfeasibleError], tuple[str, str, float]]:
+    def __reduce__(self) -> tuple[type[InfeasibleError], tuple[Any, ...]]:
         """Return what it takes to send the error to another process."""
-        return InfeasibleError, (str(self), self.bound, self.nearest)
+        return InfeasibleError, (str(self), self.bound, self.nearest, self.time)
 
 
 def check_end(velocity: float, acceleration: float, limits: Limits) -> None:

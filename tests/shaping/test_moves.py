@@ -495,14 +495,15 @@ def test_a_velocity_bound_in_the_direction_of_the_move_is_enough():
 
 
 @pytest.mark.parametrize("distance", [100.0, -100.0])
-def test_from_order_4_the_smaller_magnitude_of_a_pair_counts_above_velocity(distance):
+def test_from_order_4_closed_forms_use_pairs_by_averages_of_the_exact_lower_order(distance):
     pairs = [(-3.0, 1.5), (-2.0, 8.0), (-90.0, 30.0), (-900.0, 1200.0)]
     move = make(distance, pairs)
     assert move.violation(Limits.from_bounds(pairs)) <= BOUND
     velocity = 1.5 if distance > 0 else 3.0
-    assert move.peak("velocity") == velocity
-    same = make(distance, [velocity, 2.0, 30.0, 900.0])
-    np.testing.assert_array_equal(move.states, same.states)
+    assert move.peak("velocity") == pytest.approx(velocity, rel=1e-14)
+    assert move.duration < make(distance, [velocity, 2.0, 30.0, 900.0]).duration
+    exact = make(distance, pairs[:3]).duration
+    assert exact < move.duration <= exact + 120.0 / 900.0 * (1.0 + 1e-12)
 
 
 def test_zero_distance_is_a_point_of_the_limits_order():

@@ -189,8 +189,9 @@ def test_what_is_refused():
         certify(move, Limits(velocity=1.0, jerk=2.5))
     with pytest.raises(ValueError, match="jerk jumps, so that snap is unbounded"):
         certify(move, Limits(snap=1.0))
-    with pytest.raises(ValueError, match="velocity is 1 at the start"):
-        certify(Trajectory([0.0, 1.0], [[0.0, 1.0, 0.0, 0.0]]), limits)
+    coasting = Trajectory([0.0, 1.0], [[0.0, 1.0, *[0.0] * 10]])
+    with pytest.raises(ValueError, match="limits of order 11: expected order 2"):
+        certify(coasting, Limits.from_bounds([1.0] * 11))
     with pytest.raises(ValueError, match=r"rtol = 0\.0"):
         certify(move, limits, rtol=0.0)
     with pytest.raises(TypeError, match=r"trajectory = 1\.0: expected a Trajectory"):

@@ -1,0 +1,109 @@
+"""Moves from rest to rest that the half horizon or the core does not know the minimum time of."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from .checks import finite, positive
+from .closed_moves import check_move_limits, closed_form_move
+from .limits import Limits, of_one
+from .moves import Method, plain_move
+from .optimal.smoothing import even_are_symmetric, truncated
+from .optimal.whole.averaged import averaged_move
+from .optimal.whole.lasting import lasting
+from .optimal.whole.outcome import found_plan, inside_bounds, warn_if_far
+from .optimal.whole.planner import HIGHEST_ORDER, planned
+from .trajectory import Trajectory, point
+from .transfers.infeasible import InfeasibleError
+
+Lasts = tuple[float | None, float | None]
+
+_KEPT = 1e-12  # excess over a bound: rounding
+
+
+def general_move(
+    distance: float, limits: Limits, start: float, lasts: Lasts, method: str, rtol: float
+) -> Trajectory | None:
+    """Return the move of `min_time_move`; None where the half horizon or the core has it.
+
+    Those are asked first, without the bounds that they do not know: what keeps all of them is the
+    fastest. `lasts` is (duration, round_to).
+    """
+    distance, start = finite("distance", distance), finite("start", start)
+    rtol = positive("rtol", rtol)
+    n = of_one(limits).order
+    states = tuple((x, *[0.0] * (n - 1)) for x in (start, start + distance))
+    begin, end = (
+        inside_bounds(name, state, limits)
+        for name, state in zip(("start", "end"), states, strict=True)
+    )
+    simpler = _simpler(limits)
+    check_move_limits(simpler)
+    if distance == 0.0:
+        return None if limits.plain else point(start, n)
+    halved = n < 4 or even_are_symmetric(simpler)
+    if halved and limits.plain and method == "optimal":
+        return None
+    if lasts != (None, None):
+        return None if n > HIGHEST_ORDER else lasting(begin, end, limits, *lasts, rtol=rtol)
+    closed = _closed(distance, simpler, start, "optimal" if halved else "closed-form")
+    kept = closed.violation(limits) <= _KEPT
+    if kept and (halved or method == "closed-form"):
+        return closed
+    if n > HIGHEST_ORDER:
+        return closed if kept and limits.plain else None
+    return _whole_move(begin, end, limits, rtol, closed if kept else None)
+
+
+def _closed(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
+    """Return the faster one of the closed form and of averages of lower orders."""
+    move = plain_move(distance, limits, start, method)
+    if method == "optimal":
+        return move
+    other = averaged_move(distance, limits)
+    return other.shift(start) if other is not None and other.duration < move.duration else move
+
+
+def _simpler(limits: Limits) -> Limits:
+    """Return limits without the bounds that a move from rest to rest of low order never meets."""
+    if limits.plain:
+        return limits
+    pairs = [
+        (low if low < 0.0 else -high, high if high > 0.0 else -low)
+        for low, high in zip(limits.lower, limits.upper, strict=True)
+    ]
+    return Limits.from_bounds(pairs)
+
+
+def _least(closed: Trajectory, limits: Limits) -> float:
+    """Return the exact minimum time under the bounds up to jerk alone; 0 where there are none."""
+    for order in (3, 2, 1):
+        if all(map(isfinite, limits.bounds(order))):
+            distance = float(closed.end_state[0] - closed.start_state[0])
+            below = truncated(_simpler(limits), order)
+            return closed_form_move(distance, below).duration
+    return 0.0
+
+
+def _whole_move(
+    begin: tuple[float, ...],
+    end: tuple[float, ...],
+    limits: Limits,
+    rtol: float,
+    closed: Trajectory | None,
+) -> Trajectory:
+    """Return the move of the whole horizon, or the closed form where that is faster."""
+    if closed is not None and closed.duration <= _least(closed, limits) * (1.0 + rtol):
+        return closed
+    try:
+        plan = found_plan(begin, end, limits, rtol=rtol)
+    except InfeasibleError:
+        if closed is None:
+            raise
+        plan = planned(begin, end, limits, rtol)
+    move = plan.trajectory
+    if move is None or (closed is not None and closed.duration < move.duration):
+        move = closed
+    assert move is not None
+    warn_if_far(plan, rtol, move.duration, stacklevel=5)
+    return move

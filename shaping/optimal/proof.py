@@ -1,0 +1,147 @@
+"""A proof that durations are impossible, as data: what a certificate saves, loads and checks."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from math import inf, isinf
+from pathlib import Path
+from typing import Any
+
+Numbers = tuple[float, ...]
+
+_FORMAT = "jounce minimum-time proof, 1"
+
+
+@dataclass(frozen=True)
+class TaylorLink:
+    """Durations from low to high are impossible by Taylor's formula about the start.
+
+    sign·(b_k − Σ_{k≤q<m} a_q·T^(q−k)/(q−k)!) > (bound of sign·x^(m))·T^(m−k)/(m−k)!
+    """
+
+    low: float
+    high: float
+    derivative: int
+    remainder: int
+    sign: int
+
+
+@dataclass(frozen=True)
+class CostateLink:
+    """Durations from low to high are impossible by multipliers, those of `costate`.
+
+    Attributes
+    ----------
+    low, high : float
+    cells : tuple of N floats
+        Lengths of the grid's cells; they are taken to add up to 1.
+    ends : tuple of n floats
+        λ_k.
+    atoms : tuple of (k, N floats)
+        Of μ_k at the cells' right ends.
+    densities : tuple of (k, rows)
+        Bernstein coefficients of the density of μ_k, row j that of degree j on every cell.
+    free : "", "start" or "end"
+        With λ = 0, of a motion that only has to leave the start in the bounds, or to come to the
+        end (then seen backwards in time): all durations from `low` on are impossible.
+    """
+
+    low: float
+    high: float
+    cells: Numbers
+    ends: Numbers
+    atoms: tuple[tuple[int, Numbers], ...]
+    densities: tuple[tuple[int, tuple[Numbers, ...]], ...]
+    free: str = ""
+
+
+Link = TaylorLink | CostateLink
+
+
+@dataclass(frozen=True)
+class Proof:
+    """No motion from start to end within the bounds takes less than `lower_bound`.
+
+    Attributes
+    ----------
+    start, end : tuple of n floats
+        Positions count from the start's.
+    lower, upper : tuple of n + 1 floats
+        Bounds on position and derivatives 1 … n, infinite where there are none.
+    links : tuple of Link
+        They cover (0, lower_bound). Between states of rest one is enough: who can do it faster
+        can wait.
+    lower_bound : float
+        Infinite where there is no motion at all.
+    """
+
+    start: Numbers
+    end: Numbers
+    lower: Numbers
+    upper: Numbers
+    links: tuple[Link, ...]
+    lower_bound: float
+
+    def text(self) -> str:
+        """Return it as JSON: numbers to the last bit, null for no bound."""
+        links = [{"kind": type(link).__name__, **vars(link)} for link in self.links]
+        data = {"format": _FORMAT, **vars(self), "links": links}
+        return json.dumps(_without_infinities(data), indent=None)
+
+    @classmethod
+    def from_text(cls, text: str) -> Proof:
+        """Return what `text` gave.
+
+        Raises
+        ------
+        ValueError
+            For a text that is none.
+        """
+        try:
+            data = json.loads(text)
+            if data.pop("format") != _FORMAT:
+                raise ValueError
+            links = tuple(map(_link, data.pop("links")))
+            lower = _numbers(data.pop("lower"), -inf)
+            upper = _numbers(data.pop("upper"), inf)
+            bound = data.pop("lower_bound")
+            start, end = (_numbers(data.pop(name), inf) for name in ("start", "end"))
+        except (KeyError, TypeError, AttributeError, ValueError):
+            raise ValueError(
+                f"a text that begins with {text[:40]!r} is no proof: expected what "
+                "certificate.save wrote"
+            ) from None
+        return cls(start, end, lower, upper, links, inf if bound is None else float(bound))
+
+    def save(self, path: str | Path) -> None:
+        """Write it to a file."""
+        Path(path).write_text(self.text(), encoding="utf-8")
+
+
+def _link(data: dict[str, Any]) -> Link:
+    kind = data.pop("kind")
+    high = inf if data["high"] is None else data["high"]
+    if kind == "TaylorLink":
+        return TaylorLink(**{**data, "high": high})
+    return CostateLink(
+        data["low"],
+        high,
+        _numbers(data["cells"], inf),
+        _numbers(data["ends"], inf),
+        tuple((k, _numbers(row, inf)) for k, row in data["atoms"]),
+        tuple((k, tuple(_numbers(row, inf) for row in rows)) for k, rows in data["densities"]),
+        data["free"],
+    )
+
+
+def _numbers(values: list[float | None], missing: float) -> Numbers:
+    return tuple(missing if value is None else float(value) for value in values)
+
+
+def _without_infinities(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _without_infinities(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_infinities(part) for part in value]
+    return None if isinstance(value, float) and isinf(value) else value

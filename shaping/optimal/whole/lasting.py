@@ -1,0 +1,146 @@
+"""Motions of a given duration: by the smallest share of the highest bound, or the proof of none."""
+
+from __future__ import annotations
+
+from math import ceil, ldexp
+
+import numpy as np
+
+from ...checks import in_range, positive
+from ...limits import Limits
+from ...pieces import FloatArray
+from ...trajectory import Trajectory
+from ...transfers.infeasible import InfeasibleError
+from .maps import node_states
+from .outcome import found_plan, impossible
+from .planner import Numbers, Plan, planned
+from .problem import WholeProblem
+from .repair import Repaired, repaired
+from .restriction import MARGIN, hull_rows
+from .sampled import Sampled
+from .search import Search
+from .warm_program import WarmProgram
+
+_SAMPLES = 20  # multiples of a sample time that are tried
+_AT = 1e-12  # relative: a duration that is another
+
+
+def lasting(
+    start: Numbers,
+    end: Numbers,
+    limits: Limits,
+    duration: float | None,
+    round_to: float | None,
+    *,
+    rtol: float,
+) -> Trajectory:
+    """Return a motion of a duration, or of the first whole number of samples that is possible.
+
+    Raises
+    ------
+    InfeasibleError
+        Where there is none.
+    """
+    dt = None if round_to is None else positive("round_to", round_to)
+    if duration is not None:
+        wanted = positive("duration", duration)
+        wanted = wanted if dt is None else _samples(wanted, dt) * dt
+        return _lasting(planned(start, end, limits, rtol), wanted)
+    plan = found_plan(start, end, limits, rtol=rtol)
+    assert plan.search.best is not None
+    assert dt is not None
+    first = _samples(ldexp(plan.search.best.time, plan.time), dt)
+    for count in range(first, first + _SAMPLES):
+        try:
+            return _lasting(plan, count * dt)
+        except InfeasibleError as error:
+            last = error
+    raise last
+
+
+def _samples(duration: float, dt: float) -> int:
+    return in_range(lambda: ceil(duration / dt * (1.0 - 1e-14)))
+
+
+def _lasting(plan: Plan, duration: float) -> Trajectory:
+    if plan.impossible:
+        raise impossible(plan)
+    time = ldexp(duration, -plan.time)
+    best = plan.search.best
+    if best is not None and abs(best.time / time - 1.0) <= _AT:
+        found: Repaired | None = best
+    else:
+        if time < plan.search.lower:
+            raise _none(duration, f"every one below {plan.lower_bound:.10g} is proven impossible")
+        found = _of_duration(plan, time, duration)
+    assert found is not None
+    return plan.told(found)
+
+
+def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
+    problem = plan.search.problem
+    nodes = np.union1d(np.linspace(0.0, 1.0, 17), plan.search.nodes)
+    nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
+    search = Search(problem, nodes)
+    search.lower, search.chain = time, []
+    with np.errstate(all="ignore"):
+        search.run(_AT)
+        if search.lower > time * (1.0 + _AT):
+            raise _none(duration, "it is proven that there is none of this one")
+        if search.best is None or search.best.time > time * (1.0 + _AT):
+            raise _none(duration, "none was found, which is no proof that there is none")
+        return _gentlest(problem, search.nodes, time, search.best)
+
+
+def _none(duration: float, reason: str) -> InfeasibleError:
+    return InfeasibleError(
+        f"duration = {duration!r} is none that a motion within these limits takes: {reason}; give "
+        "another, or raise the limits",
+        "",
+        None,
+    )
+
+
+def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired) -> Repaired:
+    """Return the motion on a grid with the smallest share of the highest bound; as it came if none.
+
+    minimise s   subject to   s·lo_n ≤ x^(n) ≤ s·hi_n, all other bounds, both states
+    """
+    n = problem.order
+    powers = time ** np.arange(n + 1)
+    sizes = np.abs(np.asarray(motion.states, float)).max(axis=1) * powers
+    sizes = np.maximum(sizes, 1e-9 * sizes.max())
+    maps = node_states(nodes, n, 1)
+    rows = hull_rows(problem, maps, nodes, sizes, MARGIN)
+    of = np.concatenate([np.arange(n), rows.derivative])
+    stacked = np.vstack([maps[:, -1], rows.matrix]) / sizes[of][:, None]
+    count = len(nodes) - 1
+    free = stacked[:, count:] @ (problem.start * powers[:n])
+    lower, upper = (
+        (side * powers)[of] / sizes[of] - free for side in (problem.lower, problem.upper)
+    )
+    tight = rows.margin / sizes[rows.derivative]
+    lower[n:] += tight
+    upper[n:] -= tight
+    lower[:n] = upper[:n] = problem.end * powers[:n] / sizes[:n] - free[:n]
+    matrix = np.hstack([stacked[:, :count] * sizes[n], np.zeros((len(of), 1))])
+    shares = [
+        np.hstack([sign * np.eye(count), np.full((count, 1), sign * -side * powers[n] / sizes[n])])
+        for sign, side in ((1.0, problem.upper[n]), (-1.0, problem.lower[n]))
+    ]
+    far = np.full(count, np.inf)
+    program = WarmProgram(
+        np.vstack([matrix, *shares]),
+        np.append(np.zeros(count), 1.0),
+        np.concatenate([np.arange(len(of)) < n, np.ones(2 * count, dtype=bool)]),
+    )
+    optimum = program.solve(
+        np.concatenate([lower, -far, -far]),
+        np.concatenate([upper, np.zeros(2 * count)]),
+        np.append(-far, 0.0),
+        np.append(far, 1.0 - MARGIN),
+    )
+    if optimum is None:
+        return motion
+    inputs = Sampled(nodes, optimum.columns[:count] * sizes[n], time)
+    return repaired(problem, inputs) or motion

@@ -1,0 +1,153 @@
+"""Plans between any states: searched in own units, and told in the caller's."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf, ldexp
+
+import numpy as np
+
+from ...checks import range_error
+from ...limits import Limits
+from ...trajectory import Trajectory
+from ..proof import CostateLink, Link, Proof, TaylorLink
+from . import search as searching
+from .costate import Multipliers
+from .first_time import taylor_chain
+from .problem import WholeProblem, power_of_two
+from .repair import Repaired
+from .search import Search
+
+Numbers = tuple[float, ...]
+
+DEFAULT_RTOL = 1e-4
+"""Gap between a plan and its proof that is asked for by default."""
+
+HIGHEST_ORDER = 10
+"""Highest order that is planned over the whole horizon."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is known about the minimum time of a problem.
+
+    Attributes
+    ----------
+    problem : WholeProblem
+    search : Search
+    length, time : int
+        Its units are 2^length and 2^time of the caller's.
+    """
+
+    problem: WholeProblem
+    search: Search
+    length: int
+    time: int
+
+    @property
+    def trajectory(self) -> Trajectory | None:
+        """The fastest motion found."""
+        return None if self.search.best is None else self.told(self.search.best)
+
+    def told(self, motion: Repaired) -> Trajectory:
+        """Return a motion of the search's problem in the caller's units and direction."""
+        if not self.problem.backward:
+            return motion.trajectory(self.problem, self.length, self.time)
+        return motion.trajectory(self.problem.mirrored(), self.length, self.time).mirror()
+
+    @property
+    def lower_bound(self) -> float:
+        """No motion takes less; infinite where there is none."""
+        return inf if self.impossible else ldexp(self.search.lower, self.time)
+
+    @property
+    def impossible(self) -> bool:
+        """Whether it is proven that there is no motion at all."""
+        return self.search.lower == inf or self.search.dead_end is not None
+
+    @property
+    def proof(self) -> Proof:
+        """The proof of the lower bound."""
+        sign = -1 if self.problem.backward else 1
+        links: list[Link] = [_outside(link, self.time, sign) for link in self.search.chain]
+        if self.problem.at_rest and links:
+            links = links[-1:]
+        dead = self.search.dead_end
+        if dead is not None:
+            at = ldexp(dead.time, self.time)
+            free = "end" if dead.backwards else "start"
+            links.append(_costate_link(at, inf, dead.multipliers, sign, free))
+        seen = self.problem.scaled(0, 0)
+        start, end, lower, upper = (
+            tuple(map(float, x)) for x in (seen.start, seen.end, seen.lower, seen.upper)
+        )
+        return Proof(start, end, lower, upper, tuple(links), self.lower_bound)
+
+    @property
+    def sensitivities(self) -> Numbers:
+        """dT/dL_k·L_k/T of the lower bound, position first, by the last multipliers; or zeros."""
+        link = self.search.chain[-1] if self.search.chain else None
+        if link is None or isinstance(link, TaylorLink):
+            return (0.0,) * (self.problem.order + 1)
+        worth = link.multipliers.worth(self.search.problem, self.search.lower)
+        return tuple((worth + 0.0).tolist())
+
+    def refined(self, rtol: float) -> Plan:
+        """Return the plan after a longer search."""
+        further = copy(self.search)
+        further.chain = list(further.chain)
+        further.run(rtol)
+        return replace(self, search=further)
+
+
+def planned(start: Numbers, end: Numbers, limits: Limits, rtol: float = DEFAULT_RTOL) -> Plan:
+    """Return a plan between two states, those of order n with n numbers each."""
+    lower, upper = (
+        (side, *sides)
+        for side, sides in zip(limits.position, (limits.lower, limits.upper), strict=True)
+    )
+    return _planned(start, end, lower, upper, rtol)
+
+
+@lru_cache(maxsize=32)
+def _planned(start: Numbers, end: Numbers, lower: Numbers, upper: Numbers, rtol: float) -> Plan:
+    problem = WholeProblem(*(np.array(numbers) for numbers in (start, end, lower, upper)))
+    with np.errstate(all="ignore"):
+        chain = taylor_chain(problem)
+        first = chain[-1].high if chain else 0.0
+        time = power_of_two(first) if 0.0 < first < inf else 0
+        size = problem.length_in(ldexp(1.0, time))
+        if not 0.0 < size < inf:
+            raise range_error()
+        length = power_of_two(size)
+        inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
+        search = Search(inner)
+        search.run(rtol)
+    return Plan(problem, search, length, time)
+
+
+def _outside(link: TaylorLink | searching.Link, time: int, sign: int) -> Link:
+    """Return a link with its durations in the caller's units; of the mirror image for sign −1."""
+    low, high = ldexp(link.low, time), ldexp(link.high, time)
+    if isinstance(link, TaylorLink):
+        return replace(link, low=low, high=high, sign=sign * link.sign)
+    return _costate_link(low, high, link.multipliers, sign)
+
+
+def _costate_link(
+    low: float, high: float, multipliers: Multipliers, sign: int, free: str = ""
+) -> CostateLink:
+    return CostateLink(
+        low,
+        high,
+        tuple(multipliers.cells.tolist()),
+        tuple((sign * multipliers.ends).tolist()),
+        tuple((k, tuple((sign * row).tolist())) for k, row in multipliers.atoms.items()),
+        tuple(
+            (k, tuple(tuple((sign * row).tolist()) for row in rows))
+            for k, rows in multipliers.densities.items()
+        ),
+        free,
+    )

@@ -1,0 +1,245 @@
+"""The search for the minimum time: durations excluded from below, motions found from above.
+
+On each grid the relaxed program's multipliers exclude durations from the last one excluded on:
+the first root of their polynomial is the next, which is Newton's method from below. The
+restricted program then goes the same way until there is a motion. Where both differ most the grid
+is refined.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...pieces import FloatArray
+from ..proof import TaylorLink
+from .costate import Costate, Multipliers
+from .dead_end import DeadEnd, dead_end
+from .elastic import Elastic, Found, Rows
+from .first_time import taylor_chain
+from .maps import fine_edges, merged_parts, node_states
+from .polynomials import first_root, value
+from .problem import WholeProblem
+from .refining import (
+    broken_inside,
+    coarser,
+    duality_losses,
+    hull_losses,
+    refined,
+    worst_cells,
+)
+from .relaxation import MeanRows
+from .repair import Repaired, repaired
+from .restriction import MARGIN, hull_rows
+from .sampled import Sampled, are_near, first_sizes
+
+_CELLS = 16
+_MOST_CELLS = 150
+_ROUNDS = 14
+_STEPS = 40
+_FOUND = 1e-7  # missing: less is left to the repair
+_NEARLY = 1e-6  # missing: no more than what roundings of the solver may make
+_WAIT = 3e-8  # of the duration: a step on where the repair fails
+_NEAR = 0.25  # of the range: rows that a program starts with
+_DOUBTFUL = 1  # rounds without a motion before start and end are looked at
+_TOO_LONG = 1e4  # times the first duration excluded: without a motion by then the search ends
+_PATIENT = 3  # rounds with the whole margin for the repair
+_IMPATIENT = 7  # rounds with any: where a bound is held from start to end there is no room
+_LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
+_COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """Durations from low to high are impossible by these multipliers."""
+
+    low: float
+    high: float
+    multipliers: Multipliers
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """The last answer of a round's relaxed program, and the duration that it is about."""
+
+    means: MeanRows
+    found: Found
+    costate: Costate
+    motion: Sampled
+
+
+class Search:
+    """What is known about the minimum time of a problem in its own units.
+
+    Attributes
+    ----------
+    lower : float
+        Every duration below is impossible, by the `chain`; infinite where all are.
+    best : Repaired or None
+        The fastest motion found.
+    """
+
+    def __init__(self, problem: WholeProblem, nodes: FloatArray | None = None) -> None:
+        self.problem = problem
+        self.chain: list[TaylorLink | Link] = list(taylor_chain(problem))
+        self.lower = self.chain[-1].high if self.chain else 0.0
+        self.best: Repaired | None = None
+        self.guide: Sampled | None = None
+        self.nodes = np.linspace(0.0, 1.0, _CELLS + 1) if nodes is None else nodes
+        self.dead_end: DeadEnd | None = None
+        self.rounds = 0
+
+    @property
+    def gap(self) -> float:
+        """How far the fastest motion is from the durations excluded, relative."""
+        if self.best is None or not self.lower > 0.0:
+            return inf
+        return max(self.best.time / self.lower - 1.0, 0.0)
+
+    def run(self, rtol: float, rounds: int = _ROUNDS) -> None:
+        """Refine until the gap is at most `rtol`, or no more comes of it."""
+        first = self.lower
+        while self.lower < inf and self.gap > rtol and self.rounds < rounds:
+            self._round(rtol)
+            self.rounds += 1
+            if self.rounds == _DOUBTFUL and self.best is None:
+                self.dead_end = dead_end(self.problem, self.lower)
+            stuck = self.best is None and self.lower > _TOO_LONG * first
+            if self.dead_end is not None or stuck or len(self.nodes) > _MOST_CELLS:
+                return
+
+    def _round(self, rtol: float) -> None:
+        problem, n = self.problem, self.problem.order
+        before = self.lower
+        parts = parts_of(n)
+        maps = node_states(self.nodes, n, parts)
+        relaxed = self._exclude(maps, parts, rtol)
+        if self.lower == inf or self.gap <= rtol:
+            return
+        coarse = merged_parts(maps, parts, n)
+        margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
+        margin = 0.0 if self.rounds >= _IMPATIENT else margin
+        rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
+        near = self._near(rows, self.nodes)
+        program = Elastic(problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin)
+        found, motion = self._approach(program)
+        reached = found is not None and found.missing <= _NEARLY
+        if reached or self.guide is None:
+            self.guide = motion
+        if self.gap > rtol:
+            idle = self.lower <= before * (1.0 + 0.02 * rtol)
+            self.nodes = self._refined(relaxed, rows, found, motion, idle)
+
+    def _sizes(self) -> FloatArray:
+        if self.guide is None:
+            return first_sizes(self.problem, max(self.lower, 1e-9))
+        return self.guide.sizes(self.problem)
+
+    def _near(self, rows: Rows, edges: FloatArray) -> NDArray[np.bool_]:
+        """Tell which rows the last motion comes near the bounds of: all where there is none."""
+        if self.guide is None:
+            return np.ones(len(rows.derivative), dtype=bool)
+        problem, time = self.problem, self.guide.time
+        start = problem.start * time ** np.arange(problem.order)
+        values = rows.matrix @ np.concatenate([self.guide.on(edges), start])
+        return are_near(problem, values, rows.derivative, time, self._sizes(), _NEAR)
+
+    def _exclude(self, maps: FloatArray, parts: int, rtol: float) -> Relaxed | None:
+        """March from the last duration excluded; return what the last program tells."""
+        problem, nodes = self.problem, self.nodes
+        means = MeanRows.make(problem, maps, nodes, parts)
+        edges = fine_edges(nodes, parts)
+        near = self._near(means.rows, edges)
+        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near)
+        enough = max(0.02 * rtol, 3e-4 / 10.0**self.rounds)
+        last = None
+        for _ in range(_STEPS):
+            time = self.lower
+            found = program.solve(time)
+            if found is None:
+                return last
+            multipliers = means.multipliers(problem, found.ends, found.rows)
+            costate = multipliers.costate()
+            last = Relaxed(means, found, costate, Sampled(edges, found.inputs, time))
+            polynomial = multipliers.polynomial(problem, costate)
+            if not value(polynomial, time) > 0.0:
+                return last
+            self.lower = first_root(polynomial, time)
+            if self.lower > time:
+                self.chain.append(Link(time, self.lower, multipliers))
+            if self.lower == inf or self.lower <= time * (1.0 + enough):
+                return last
+        return last
+
+    def _approach(self, program: Elastic) -> tuple[Found | None, Sampled | None]:
+        """Go on to the first motion that the restricted program has; return the last one near."""
+        time, motion, found, waited = self.lower, None, None, _WAIT
+        for _ in range(_STEPS):
+            answer = program.solve(time)
+            if answer is None:
+                break
+            found, motion = answer, Sampled(self.nodes, answer.inputs, time)
+            if found.missing <= _FOUND and self._take(motion):
+                break
+            later = first_root(found.polynomial, time)
+            if found.missing <= _NEARLY:  # what is left is the solver's
+                later, waited = min(max(later, time * (1.0 + waited)), time * 1.001), 4.0 * waited
+            if later == inf or later <= time:
+                break
+            time = later
+        return found, motion
+
+    def _take(self, motion: Sampled) -> bool:
+        """Repair a motion, and keep it where it is the fastest; tell whether it could be had."""
+        if self.best is not None and motion.time >= self.best.time:
+            return True
+        found = repaired(self.problem, motion)
+        if found is not None:
+            self.best = found
+        return found is not None
+
+    def _refined(
+        self,
+        relaxed: Relaxed | None,
+        rows: Rows,
+        found: Found | None,
+        motion: Sampled | None,
+        idle: bool,
+    ) -> FloatArray:
+        problem, count = self.problem, len(self.nodes) - 1
+        cells = np.empty(0, dtype=int)
+        total = np.zeros(count)
+        costate = None
+        if relaxed is not None:
+            costate = relaxed.costate
+            if motion is not None:
+                losses = duality_losses(problem, relaxed.means, relaxed.found, costate, motion)
+                cells, total = np.union1d(cells, worst_cells(losses)), total + losses
+            if self.gap > _COARSE:
+                losses = duality_losses(
+                    problem, relaxed.means, relaxed.found, costate, relaxed.motion
+                )
+                cells = np.union1d(cells, worst_cells(losses))
+            if idle:
+                broken = broken_inside(problem, relaxed.motion, len(relaxed.motion.inputs) // count)
+                cells = np.union1d(cells, worst_cells(broken))
+        if found is not None:
+            losses = hull_losses(problem, rows, found, self.nodes)
+            cells, total = np.union1d(cells, worst_cells(losses)), total + losses
+        inputs = np.zeros(count) if motion is None else motion.inputs
+        if not len(cells):
+            cells = np.arange(count)
+        finer = refined(self.nodes, cells.astype(int), costate, inputs)
+        if idle or motion is None or found is None or found.missing > _NEARLY:
+            return finer
+        kept = coarser(problem, motion, total)
+        dropped = np.setdiff1d(self.nodes, kept)
+        return np.setdiff1d(finer, dropped)
+
+
+def parts_of(order: int) -> int:
+    """Return how many inputs a cell of the relaxed program has."""
+    return max(order, 4)

@@ -1,0 +1,60 @@
+"""Transfers at orders 4 and above, and within bounds on position; of a given duration, too."""
+
+from __future__ import annotations
+
+from ..checks import finite, positive, state_numbers
+from ..derivatives import derivative_name
+from ..limits import Limits, of_one
+from ..optimal.whole.lasting import lasting
+from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
+from ..real_numbers import shown
+from ..trajectory import Trajectory, point
+from .problem import State, Transfer
+
+
+def whole_transfer(
+    start: State,
+    end: State,
+    limits: Limits,
+    lasts: tuple[float | None, float | None],
+    rtol: float,
+) -> Transfer:
+    """Return the transfer of `min_time_transfer`; `lasts` is (duration, round_to)."""
+    check_whole(of_one(limits))
+    rtol = positive("rtol", rtol)
+    begin, finish = (
+        inside_bounds(name, numbers_of(name, state, limits), limits)
+        for name, state in (("start", start), ("end", end))
+    )
+    finite("the distance between start and end", finish[0] - begin[0])
+    if lasts != (None, None):
+        return Transfer(lasting(begin, finish, limits, *lasts, rtol=rtol), limits)
+    if begin == finish:
+        return Transfer(_standing(begin), limits)
+    plan = found_plan(begin, finish, limits, rtol=rtol)
+    motion = plan.trajectory
+    assert motion is not None
+    warn_if_far(plan, rtol, motion.duration)
+    return Transfer(motion, limits)
+
+
+def numbers_of(name: str, given: State, limits: Limits) -> tuple[float, ...]:
+    """Return the n numbers of a state, checked; those left out are zero."""
+    numbers = state_numbers(name, given)
+    n = limits.order
+    if not 1 <= len(numbers) <= n + 1:
+        named = ", ".join(derivative_name(k) for k in range(n))
+        raise ValueError(
+            f"{name} = {shown(given)}: expected ({named}) for limits of order {n}; the last may "
+            f"be left out where they are zero, and {derivative_name(n)}, not used, may follow"
+        )
+    checked = [finite(f"{name} {derivative_name(k)}", value) for k, value in enumerate(numbers)]
+    return tuple((*checked[:n], *[0.0] * n)[:n])
+
+
+def _standing(state: tuple[float, ...]) -> Trajectory:
+    """Return the trajectory of no duration at a state."""
+    still = point(state[0], len(state))
+    end = still.end_state.copy()
+    end[: len(state)] = state
+    return Trajectory(still.breaks, still.states, end_state=end)

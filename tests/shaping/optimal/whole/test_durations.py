@@ -1,0 +1,60 @@
+"""Motions of a given duration, order 4 and above or within stops: gentle, or impossible."""
+
+import numpy as np
+import pytest
+from whole_problems import random_problem
+
+from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_transfer
+
+ASYMMETRIC = Limits(velocity=2.0, acceleration=(-4.0, 1.0), jerk=20.0, snap=(-300.0, 200.0))
+
+
+@pytest.mark.parametrize("factor", [1.02, 1.5, 3.0])
+def test_a_move_takes_the_duration_given_with_less_of_the_highest_bound(factor):
+    least = min_time_move(1.0, ASYMMETRIC)
+    wanted = factor * least.duration
+    move = min_time_move(1.0, ASYMMETRIC, duration=wanted)
+    assert move.duration == pytest.approx(wanted, rel=1e-14)
+    assert move.violation(ASYMMETRIC) == 0.0
+    np.testing.assert_array_equal(move.end_state, [1.0, 0.0, 0.0, 0.0, 0.0])
+    share = max(move.extremes(4)[1] / 200.0, -move.extremes(4)[0] / 300.0)
+    slowed = least.stretch(factor)
+    slow = max(slowed.extremes(4)[1] / 200.0, -slowed.extremes(4)[0] / 300.0)
+    assert share <= slow * (1.0 + 1e-6)
+
+
+def test_a_duration_below_the_least_is_proven_impossible():
+    least = min_time_move(1.0, ASYMMETRIC).duration
+    with pytest.raises(InfeasibleError, match=r"duration = .* is proven impossible; give another"):
+        min_time_move(1.0, ASYMMETRIC, duration=0.99 * least)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_transfers_take_whole_numbers_of_samples(seed):
+    problem = random_problem(seed, 4)
+    transfer = problem.solve(round_to=0.125)
+    assert transfer.duration % 0.125 == 0.0
+    assert transfer.duration >= problem.solve().duration
+    assert transfer.violation(problem.limits) == 0.0
+    n = problem.limits.order
+    np.testing.assert_array_equal(transfer.end_state[:n], problem.end)
+
+
+def test_a_blocked_interval_of_durations_is_told_as_such():
+    limits = Limits(velocity=1.0, acceleration=1.0, jerk=4.0, snap=40.0, position=(-5.0, 5.0))
+    start, end = (0.0, 0.9), (1.0, 0.9)
+    fast = min_time_transfer(start, end, limits)
+    assert fast.duration < 1.2
+    with pytest.raises(InfeasibleError, match=r"is none that a motion .* takes: it is"):
+        min_time_transfer(start, end, limits, duration=2.5)
+    slow = min_time_transfer(start, end, limits, duration=8.0)
+    assert slow.violation(limits) == 0.0
+
+
+def test_within_stops_of_order_3_too():
+    limits = Limits(velocity=1.0, acceleration=1.0, jerk=4.0, position=(-0.2, 1.2))
+    transfer = min_time_transfer((0.0, 0.5), (1.0, 0.5), limits, duration=6.0)
+    assert transfer.duration == 6.0
+    low, high = transfer.extremes(0)
+    assert low >= -0.2
+    assert high <= 1.2
