@@ -10,6 +10,8 @@ import numpy as np
 
 from ..checks import finite, one_of, state_numbers
 from ..limits import Limits
+from ..passage import Passage
+from ..pieces import FloatArray
 from ..real_numbers import shown
 from ..trajectory import Motion, Trajectory
 from .axes import Axis, Planned, axis_of, planned_motion
@@ -35,11 +37,14 @@ class Synchronized(tuple[Motion, ...]):
         What each axis was planned with, as far as it is known.
     line : Line, optional
         Of axes that move on a straight line: the line, and the motion along it.
+    passage : Passage, optional
+        Of axes that move through points: the points, and when they are passed.
     """
 
     mode: Mode
     planned: tuple[Planned, ...]
     line: Line | None = None
+    passage: Passage | None = None
 
     @classmethod
     def of(
@@ -48,11 +53,14 @@ class Synchronized(tuple[Motion, ...]):
         mode: Mode,
         planned: tuple[Planned, ...],
         line: Line | None = None,
+        *,
+        passage: Passage | None = None,
     ) -> Synchronized:
         """Return motions that are tied together already."""
         tied = tuple.__new__(cls, motions)
         fields = tied.__dict__  # the way around `frozen`
         fields["mode"], fields["planned"], fields["line"] = mode, planned, line
+        fields["passage"] = passage
         return tied
 
     def __repr__(self) -> str:
@@ -62,6 +70,21 @@ class Synchronized(tuple[Motion, ...]):
     def duration(self) -> float:
         """Time from the first start to the last end."""
         return max(one.end_time for one in self) - min(one.start_time for one in self)
+
+    @property
+    def times(self) -> FloatArray:
+        """When each point is passed, shape (m,), of axes that move `through` points.
+
+        Raises
+        ------
+        ValueError
+            For axes that were given no points.
+        """
+        if self.passage is None:
+            raise ValueError(
+                f"{self!r} has no points that it passes: expected what through returns"
+            )
+        return self.passage.times
 
     @property
     def resultant(self) -> Trajectory:
