@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from .drawing import draw
 from .frozen import Frozen
 from .pieces import FloatArray
 from .trajectory import Planned, Trajectory
@@ -46,3 +48,20 @@ class Tour(Planned):
     def times(self) -> FloatArray:
         """When each point is passed, shape (m,)."""
         return self.passage.times
+
+    def plot(self, *, unit: str = "", time_unit: str = "s", scale: float = 1.0) -> Any:
+        """Draw position, with the points, and every derivative.
+
+        Parameters
+        ----------
+        unit, time_unit : str, optional
+            For the labels.
+        scale : float, optional
+            Units of the trajectory per `unit`, positive.
+
+        Returns
+        -------
+        Figure
+            As `jounce.plots.plot_tour` draws it.
+        """
+        return draw(self, unit=unit, time_unit=time_unit, scale=scale)

@@ -4,29 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..limits import Limits
 from ..pieces import FloatArray
 from .legs import States
-from .mesh import CELLS, mesh_rows
+from .mesh import CELLS
 from .route import Leg, Node
-from .sparse_rows import Columns, SparseRows
+from .sparse_rows import SparseRows
+from .tangents import End, LegMotion
 
-_ROUNDING = 1e-5  # of bounds on lower derivatives, kept for the tolerances of the solver
 _LONGEST = 20.0  # seconds for one program
+_NO_WAY = 1e-3  # of the tolerance: a shift that has no direction yet
+
+
+class Stage(NamedTuple):
+    """How far durations may change, what is kept of the highest bound, how far places may go."""
+
+    trust: float
+    margin: float
+    roam: float
+
 
 _STAGES = (
-    *[(0.3, 0.06, 1.0)] * 4,
-    (0.1, 0.06, 0.5),
-    (0.05, 0.06, 0.2),
-    (0.02, 0.04, 0.0),
-    (0.01, 0.03, 0.0),
-    (0.005, 0.02, 0.0),
-    (0.002, 0.01, 0.0),
+    *[Stage(0.3, 0.06, 1.0)] * 4,
+    Stage(0.1, 0.06, 0.5),
+    Stage(0.05, 0.06, 0.2),
+    Stage(0.02, 0.04, 0.0),
+    Stage(0.01, 0.03, 0.0),
+    Stage(0.005, 0.02, 0.0),
+    Stage(0.002, 0.01, 0.0),
 )
-"""How far durations may change at a time, what is kept of the highest bound, how far places go."""
+
+
+class Iterate(NamedTuple):
+    """Durations of the legs, and inputs of the nodes, in the units of a program."""
+
+    lengths: FloatArray
+    inputs: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,34 +94,14 @@ def approximations(stretch: Stretch, durations: Sequence[float]) -> Iterator[Sta
     places, and hardly the durations, are given.
     """
     program = Program(stretch)
-    lengths = np.array(durations) / stretch.time
-    inputs = np.zeros(program.inputs)
-    for trust, margin, roam in _STAGES:
-        found = program.solve(lengths, inputs, trust, margin, roam)
-        if found is not None:
-            lengths, inputs = found
-        if found is not None and not roam:
-            yield program.states(inputs)
-
-
-@dataclass(frozen=True, eq=False)
-class _End:
-    """The state at one end of a leg along one way: rates = constant + shares @ inputs[columns]."""
-
-    columns: Columns
-    shares: FloatArray
-    constant: FloatArray
-
-    def tangent(self, length: float, inputs: FloatArray) -> tuple[FloatArray, ...]:
-        """Return what h^r·rates is per h, per input, and without both, near a duration h."""
-        r = np.arange(len(self.constant))
-        powers = length**r
-        now = self.constant + self.shares @ inputs[self.columns]
-        return (
-            r * powers / length * now,
-            powers[:, None] * self.shares,
-            powers * (self.constant - r * now),
-        )
+    last = Iterate(np.array(durations) / stretch.time, np.zeros(program.inputs))
+    for stage in _STAGES:
+        found = program.solve(last, stage)
+        if found is None:
+            continue
+        last = found
+        if not stage.roam:
+            yield program.states(last.inputs)
 
 
 class Program:
@@ -124,32 +121,31 @@ class Program:
         self.inputs = self._first[-1]
         self._cells = len(stretch.legs) + self.inputs
 
-    def solve(
-        self, lengths: FloatArray, inputs: FloatArray, trust: float, margin: float, roam: float
-    ) -> tuple[FloatArray, FloatArray] | None:
+    def solve(self, last: Iterate, stage: Stage) -> Iterate | None:
         """Return durations and inputs for which the tangents ask for the least time, or None."""
         from scipy.optimize import linprog
 
-        equal, less = SparseRows(), SparseRows()
-        used = self._cells
-        for leg, length in enumerate(lengths.tolist()):
-            used = self._add_leg(leg, length, inputs, margin, used, equal, less)
-        least, most = np.full(used, -np.inf), np.full(used, np.inf)
-        count = len(lengths)
-        least[:count], most[:count] = lengths * (1.0 - trust), lengths * (1.0 + trust)
-        self._hold_places(inputs, roam, least, most, less)
+        equal, less, used = SparseRows(), SparseRows(), self._cells
+        for motion, size in self._motions(last):
+            motion.add_end(equal)
+            motion.add_bounds(less, stage.margin, self.stretch.time, size)
+            used += CELLS
+        ranges = np.tile([-np.inf, np.inf], (used, 1))
+        count = len(last.lengths)
+        ranges[:count] = np.outer(last.lengths, [1.0 - stage.trust, 1.0 + stage.trust])
+        self._hold_places(last.inputs, stage.roam, ranges, less)
         result = linprog(
             np.repeat([1.0, 0.0], [count, used - count]),
             A_ub=less.matrix(used),
             b_ub=less.sides(),
             A_eq=equal.matrix(used),
             b_eq=equal.sides(),
-            bounds=np.column_stack([least, most]),
+            bounds=ranges,
             options={"time_limit": _LONGEST},
         )
         if result.status != 0:
             return None
-        return result.x[:count], self._within(result.x[count : self._cells])
+        return Iterate(result.x[:count], self._within(result.x[count : self._cells]))
 
     def states(self, inputs: FloatArray) -> States:
         """Return the states of the nodes, in the units of the axes."""
@@ -191,32 +187,27 @@ class Program:
         return inputs
 
     def _hold_places(
-        self,
-        inputs: FloatArray,
-        roam: float,
-        least: FloatArray,
-        most: FloatArray,
-        less: SparseRows,
+        self, inputs: FloatArray, roam: float, ranges: FloatArray, less: SparseRows
     ) -> None:
         """Keep the shifts near the last ones, and within the tolerance in their direction."""
-        count = len(self.stretch.legs)
         for j, node in enumerate(self.stretch.nodes):
             if not node.tolerance:
                 continue
             places, sizes = self._places(j), self.stretch.sizes
-            columns = count + np.arange(places.start, places.stop)
+            columns = len(self.stretch.legs) + np.arange(places.start, places.stop)
             width, now = node.tolerance / sizes, inputs[places]
-            least[columns] = np.maximum(-width, now - roam * width)
-            most[columns] = np.minimum(width, now + roam * width)
+            ranges[columns, 0] = np.maximum(-width, now - roam * width)
+            ranges[columns, 1] = np.minimum(width, now + roam * width)
             shift = self._shift(j, inputs)
             far = float(np.linalg.norm(shift))
-            if roam and far > 1e-3 * node.tolerance:
+            if roam and far > _NO_WAY * node.tolerance:
                 less.add(columns, (shift / far * sizes)[None, :], np.array([node.tolerance]))
 
-    def _end(self, j: int, way: FloatArray, size: float, order: int) -> _End:
-        """Return the state of a node along a way, in units of a size."""
+    def _end(self, j: int, way: FloatArray, order: int, inputs: FloatArray) -> End:
+        """Return the state of a node along a way, in units of its size."""
         stretch, node = self.stretch, self.stretch.nodes[j]
-        shares = np.zeros((order, self._first[j + 1] - self._first[j]))
+        size, own = float(np.abs(way) @ stretch.sizes), slice(*self._first[j : j + 2])
+        shares = np.zeros((order, own.stop - own.start))
         along = way @ (node.ways * self._units(node)) / size
         for r in range(1, order):
             shares[r, (r - 1) * len(along) : r * len(along)] = along
@@ -224,61 +215,18 @@ class Program:
             shares[0, -len(way) :] = way * stretch.sizes / size
         constant = np.zeros(order)
         constant[1] = way @ node.velocity / size * stretch.time
-        return _End(np.arange(self._first[j], self._first[j + 1]), shares, constant)
+        columns = len(stretch.legs) + np.arange(own.start, own.stop)
+        return End(columns, shares, constant, inputs[own])
 
-    def _add_leg(
-        self,
-        leg: int,
-        length: float,
-        inputs: FloatArray,
-        margin: float,
-        used: int,
-        equal: SparseRows,
-        less: SparseRows,
-    ) -> int:
-        """Add the motions of a leg; return the number of columns used so far."""
-        stretch = self.stretch
-        places = [stretch.nodes[leg + side].place for side in (0, 1)]
-        for way, limits in zip(stretch.legs[leg].way.T, stretch.legs[leg].limits, strict=True):
-            n, size = limits.order, float(np.abs(way) @ stretch.sizes)
-            ends = [self._end(leg + side, way, size, n) for side in (0, 1)]
-            first, last = (end.tangent(length, inputs) for end in ends)
-            count = len(stretch.legs)
-            start_columns, end_columns = (count + end.columns for end in ends)
-            cells = np.arange(used, used + CELLS)
-            final, bounded, derivative = mesh_rows(n)
-            distance = np.zeros(n)
-            distance[0] = way @ (places[1] - places[0]) / size
-            equal.add(
-                np.concatenate([[leg], start_columns, end_columns, cells]),
-                np.hstack(
-                    [
-                        (final[:, :n] @ first[0] - last[0])[:, None],
-                        final[:, :n] @ first[1],
-                        -last[1],
-                        final[:, n:],
-                    ]
-                ),
-                distance + last[2] - final[:, :n] @ first[2],
-            )
-            columns = np.concatenate([[leg], start_columns, cells])
-            values = np.hstack(
-                [
-                    (bounded[:, :n] @ first[0])[:, None],
-                    bounded[:, :n] @ first[1],
-                    bounded[:, n:],
-                ]
-            )
-            constant = bounded[:, :n] @ first[2]
-            kept = np.where(derivative == n, 1.0 - margin, 1.0 - _ROUNDING)
-            for sign, sides in ((1.0, limits.upper), (-1.0, limits.lower)):
-                bound = sign * np.array(sides)[derivative - 1] * kept
-                bound *= stretch.time**derivative / size
-                finite = np.isfinite(bound)
-                slope = bound[finite] * derivative[finite] * length ** (derivative[finite] - 1)
-                rows = sign * values[finite]
-                rows[:, 0] -= slope
-                offset = bound[finite] * (derivative[finite] - 1) * length ** derivative[finite]
-                less.add(columns, rows, -offset - sign * constant[finite])
-            used += CELLS
-        return used
+    def _motions(self, last: Iterate) -> Iterator[tuple[LegMotion, float]]:
+        """Yield the motions of all legs along their ways, and their sizes."""
+        stretch, used = self.stretch, self._cells
+        for leg, (ways, length) in enumerate(zip(stretch.legs, last.lengths.tolist(), strict=True)):
+            between = stretch.nodes[leg + 1].place - stretch.nodes[leg].place
+            for way, limits in zip(ways.way.T, ways.limits, strict=True):
+                size = float(np.abs(way) @ stretch.sizes)
+                ends = [self._end(j, way, limits.order, last.inputs) for j in (leg, leg + 1)]
+                cells = np.arange(used, used + CELLS)
+                distance = float(way @ between) / size
+                yield LegMotion(leg, length, ends[0], ends[1], distance, cells, limits), size
+                used += CELLS

@@ -70,9 +70,10 @@ def through(
     Velocities and accelerations at the points, and how far off it they are passed, come from a
     sequence of linear programs over all axes, durations and states at once; between them every
     leg is planned exactly, as `synchronize` does. All bounds hold. It is never slower than a stop
-    at each point. What is found is a local optimum, up to the mesh of the programs: within 1 % as
-    a rule, most often within 0.3 %. One axis is exact where its points are in order: the transfer
-    from the first to the last.
+    at each point. What is found is a local optimum up to the mesh of the programs: on random
+    problems of order 3 a finer mesh was sooner by 0.06 % (median; 0.3 % at the worst), the best of
+    twelve other starts by 0.1 % at the worst. One axis is exact where its points are in order: the
+    transfer from the first to the last. Ten points on three axes take about half a second.
 
     Examples
     --------

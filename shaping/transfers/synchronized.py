@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import finite, one_of, state_numbers
+from ..drawing import draw
 from ..limits import Limits
 from ..passage import Passage
 from ..pieces import FloatArray
@@ -175,6 +176,23 @@ class Synchronized(tuple[Motion, ...]):
         after = [axis.motion for axis in axes] if mode == "start" else both_together(axes)
         tied = [spliced(*pair) for pair in zip(been, after, strict=True)]
         return Synchronized.of(tied, mode, planned)
+
+    def plot(self, *, unit: str = "", time_unit: str = "s", scale: float = 1.0) -> Any:
+        """Draw the path of the first two axes, and all axes over time.
+
+        Parameters
+        ----------
+        unit, time_unit : str, optional
+            For the labels.
+        scale : float, optional
+            Units of the trajectories per `unit`, positive.
+
+        Returns
+        -------
+        Figure
+            As `jounce.plots.plot_synchronized` draws it.
+        """
+        return draw(self, unit=unit, time_unit=time_unit, scale=scale)
 
     def _changed(self, given: Limits | Sequence[Change] | None) -> tuple[Planned, ...]:
         """Return what the axes are planned with from now on."""
