@@ -19,6 +19,7 @@ from .frequency_view import (
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
+from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
 from .survey_details import plot_survey_details
 
@@ -40,6 +41,8 @@ __all__ = [
     "plot_phase_plane",
     "plot_survey",
     "plot_survey_details",
+    "plot_synchronized",
+    "plot_tour",
     "plot_trajectory",
     "plot_vibration_by_size",
     "plot_vibration_map",

@@ -23,7 +23,7 @@ from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..plant import LoopResponse
-from ..shaping import FollowerResponse, Trajectory
+from ..shaping import FollowerResponse, Synchronized, Tour, Trajectory
 from ..shaping.trajectory import Planned
 from .conformance import plot_conformance
 from .cosimulation import plot_cosimulation
@@ -42,6 +42,7 @@ from .limit_tuning import plot_tuned_limits
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
 from .motions import plot_following, plot_trajectory
+from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
 
 Picture = Callable[..., Axes | Figure]
@@ -99,6 +100,8 @@ def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axe
 _PANELS: dict[type, Picture] = {
     Trajectory: plot_trajectory,
     Planned: plot_trajectory,
+    Synchronized: plot_synchronized,
+    Tour: plot_tour,
     LoopResponse: plot_loop_response,
     Survey: plot_survey,
     Conformance: plot_conformance,

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify
+    from .passage import Passage, Tour
     from .scans import Scan, scan_move
+    from .tours.through import through
     from .transfers.infeasible import InfeasibleError
     from .transfers.problem import Transfer
     from .transfers.s_curve import SCurveMove, s_curve_move
@@ -39,9 +41,11 @@ _LATER = {
     "InfeasibleError": "transfers.infeasible",
     "InputShaper": "input_shapers",
     "MotionBatch": "batch",
+    "Passage": "passage",
     "SCurveMove": "transfers.s_curve",
     "Synchronized": "transfers.synchronized",
     "Scan": "scans",
+    "Tour": "passage",
     "Transfer": "transfers.problem",
     "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
@@ -54,6 +58,7 @@ _LATER = {
     "s_curve_move": "transfers.s_curve",
     "scan_move": "scans",
     "synchronize": "transfers.synchronize",
+    "through": "tours.through",
     "velocity_move": "transfers.velocity_move",
     "tracking_transfer": "transfers.tracking",
     "velocity_transfer": "transfers.transfer",
@@ -69,9 +74,11 @@ __all__ = [
     "JerkFilter",
     "Limits",
     "MotionBatch",
+    "Passage",
     "SCurveMove",
     "Scan",
     "Synchronized",
+    "Tour",
     "Trajectory",
     "Transfer",
     "VelocityMove",
@@ -90,6 +97,7 @@ __all__ = [
     "scan_move",
     "switch_fractions",
     "synchronize",
+    "through",
     "tracking_transfer",
     "velocity_move",
     "velocity_transfer",

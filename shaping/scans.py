@@ -84,7 +84,7 @@ def scan_move(
     rate = speed if length > 0.0 else -speed
     for way in (rate, -rate)[:count]:
         _check_reached(way, limits)
-    run_up = _change(0.0, rate, limits)
+    run_up = change_of_velocity(0.0, rate, limits)
     motion = run_up.shift(finite("start", start) - float(run_up.end_state[0]))
     times = []
     for line in range(count):
@@ -92,7 +92,7 @@ def scan_move(
         straight = motion.end_time + abs(length) / speed
         times.append((motion.end_time, straight))
         after = -way if line + 1 < count else 0.0
-        motion = motion.until(straight).then(_change(way, after, limits))
+        motion = motion.until(straight).then(change_of_velocity(way, after, limits))
     return Scan(motion, np.array(times))
 
 
@@ -105,7 +105,7 @@ def _check_reached(velocity: float, limits: Limits) -> None:
         )
 
 
-def _change(before: float, after: float, limits: Limits) -> Trajectory:
+def change_of_velocity(before: float, after: float, limits: Limits) -> Trajectory:
     """Return the fastest change of velocity, from position and time 0 on."""
     others = Limits.from_bounds([limits.bounds(k) for k in range(2, limits.order + 1)])
     return _integral(min_time_move(after - before, others, start=before))

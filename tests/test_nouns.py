@@ -77,6 +77,7 @@ from jounce.shaping import (
     s_curve_move,
     scan_move,
     synchronize,
+    through,
     velocity_move,
 )
 
@@ -108,6 +109,9 @@ NOUNS = [
     s_curve_move(1.0, velocity=1.0, acceleration=2.0, acceleration_jerk=20.0),
     synchronize([(0.0, 1.0, LIMITS), (2.0, 3.0, LIMITS)]),
     synchronize([(0.0, 3.0), (2.0, 6.0)], "straight-line", resultant=LIMITS),
+    through([0.0, 1.0, 0.5], LIMITS),
+    through([(0.0, 0.0), (1.0, 0.5), (0.5, 1.0)], LIMITS, corner=0.1),
+    through([0.0, 1.0, 0.5], LIMITS).passage,
     certify(MOVE, LIMITS),
     tune_pid(FlexibleInertia(2.0, 20.0, 0.01), sample_time=1e-3),
     TUNED,

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..checks import finite, one_of, state_numbers
+from ..drawing import draw
 from ..limits import Limits
+from ..passage import Passage
+from ..pieces import FloatArray
 from ..real_numbers import shown
 from ..trajectory import Motion, Trajectory
 from .axes import Axis, Planned, axis_of, planned_motion
@@ -35,11 +38,14 @@ class Synchronized(tuple[Motion, ...]):
         What each axis was planned with, as far as it is known.
     line : Line, optional
         Of axes that move on a straight line: the line, and the motion along it.
+    passage : Passage, optional
+        Of axes that move through points: the points, and when they are passed.
     """
 
     mode: Mode
     planned: tuple[Planned, ...]
     line: Line | None = None
+    passage: Passage | None = None
 
     @classmethod
     def of(
@@ -48,11 +54,14 @@ class Synchronized(tuple[Motion, ...]):
         mode: Mode,
         planned: tuple[Planned, ...],
         line: Line | None = None,
+        *,
+        passage: Passage | None = None,
     ) -> Synchronized:
         """Return motions that are tied together already."""
         tied = tuple.__new__(cls, motions)
         fields = tied.__dict__  # the way around `frozen`
         fields["mode"], fields["planned"], fields["line"] = mode, planned, line
+        fields["passage"] = passage
         return tied
 
     def __repr__(self) -> str:
@@ -62,6 +71,21 @@ class Synchronized(tuple[Motion, ...]):
     def duration(self) -> float:
         """Time from the first start to the last end."""
         return max(one.end_time for one in self) - min(one.start_time for one in self)
+
+    @property
+    def times(self) -> FloatArray:
+        """When each point is passed, shape (m,), of axes that move `through` points.
+
+        Raises
+        ------
+        ValueError
+            For axes that were given no points.
+        """
+        if self.passage is None:
+            raise ValueError(
+                f"{self!r} has no points that it passes: expected what through returns"
+            )
+        return self.passage.times
 
     @property
     def resultant(self) -> Trajectory:
@@ -152,6 +176,23 @@ class Synchronized(tuple[Motion, ...]):
         after = [axis.motion for axis in axes] if mode == "start" else both_together(axes)
         tied = [spliced(*pair) for pair in zip(been, after, strict=True)]
         return Synchronized.of(tied, mode, planned)
+
+    def plot(self, *, unit: str = "", time_unit: str = "s", scale: float = 1.0) -> Any:
+        """Draw the path of the first two axes, and all axes over time.
+
+        Parameters
+        ----------
+        unit, time_unit : str, optional
+            For the labels.
+        scale : float, optional
+            Units of the trajectories per `unit`, positive.
+
+        Returns
+        -------
+        Figure
+            As `jounce.plots.plot_synchronized` draws it.
+        """
+        return draw(self, unit=unit, time_unit=time_unit, scale=scale)
 
     def _changed(self, given: Limits | Sequence[Change] | None) -> tuple[Planned, ...]:
         """Return what the axes are planned with from now on."""

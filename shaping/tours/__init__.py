@@ -1,0 +1,1 @@
+"""Motions through several points: the route, the program that times it, the legs as planned."""

@@ -1,0 +1,138 @@
+"""The fastest motion over a route that is found, and the one over a course."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..limits import Limits
+from ..pieces import FloatArray
+from ..trajectory import Motion, Trajectory, as_trajectory
+from .course import Course
+from .legs import PlannedLegs, States, at_rest, planned, run_out, run_up
+from .nearest import approaches
+from .program import approximations, stretched
+from .route import Route
+
+_REACHES = (1.0, 0.7, 0.4, 0.2)  # shares of the tolerance from which corners are cut
+_ROUNDING = 1e-9
+
+
+class Found(NamedTuple):
+    """The motions of all axes from time 0 on; when nodes, and points of the course, are passed."""
+
+    axes: list[Trajectory]
+    node_times: FloatArray
+    times: FloatArray
+
+
+def fastest_over(course: Course, corner: float) -> Found:
+    """Return the fastest motion over a course that is found, at the slowest with stops."""
+    uncut = course.route(corner, 0.0)
+    best = _joined(course, uncut, _fastest(uncut, course.limits))
+    for reach in _REACHES if corner else ():
+        route = course.route(corner, corner * reach)
+        if not route.blends:
+            break
+        legs = _fastest(route, course.limits)
+        found = _joined(course, route, legs)
+        if _near(found, route, corner):
+            return min(best, found, key=lambda each: each.axes[0].end_time)
+    return best
+
+
+def _fastest(route: Route, limits: tuple[Limits, ...]) -> PlannedLegs:
+    """Return the legs planned as fast as is found, each stretch between fixed nodes for itself."""
+    states = at_rest(route, max(one.order for one in limits))
+    legs = planned(route.legs, states, limits)
+    for first, last in route.stretches():
+        better = _improved(route, first, last, states, legs, limits)
+        legs = legs.with_part(first, better)
+    return legs
+
+
+def _improved(
+    route: Route,
+    first: int,
+    last: int,
+    states: States,
+    stopping: PlannedLegs,
+    limits: tuple[Limits, ...],
+) -> PlannedLegs:
+    """Return the legs of a stretch, at the slowest as they are with stops."""
+    best = stopping.part(first, last)
+    nodes, legs = route.nodes[first : last + 1], route.legs[first:last]
+    stretch = stretched(nodes, legs, limits, best.durations)
+    for found in approximations(stretch, best.durations):
+        found[0], found[-1] = states[first], states[last]
+        try:
+            legs_found = planned(legs, found, limits)
+        except ValueError:  # rounding has left the bounds, or no common duration
+            continue
+        best = min(best, legs_found, key=lambda each: each.duration)
+    return best
+
+
+def _joined(course: Course, route: Route, legs: PlannedLegs) -> Found:
+    """Return the legs one after the other, with the ways into a first and out of a last scan."""
+    durations, motions = list(legs.durations), list(legs.motions)
+    begins = route.legs[0].kind == "scan"
+    if begins:
+        motions.insert(0, run_up(route.legs[0], route.nodes[0].place))
+        durations.insert(0, motions[0][0].duration)
+    if route.legs[-1].kind == "scan":
+        motions.append(run_out(route.legs[-1], route.nodes[-1].place))
+        durations.append(motions[-1][0].duration)
+    times = np.concatenate([[0.0], np.cumsum(durations)])
+    axes = [_in_a_row([leg[k] for leg in motions], times) for k in range(len(course.limits))]
+    if route.legs[-1].kind == "straight":
+        axes = [_ended(one, x) for one, x in zip(axes, route.nodes[-1].place, strict=True)]
+    at_nodes = times[int(begins) :][: len(route.nodes)]
+    return Found(axes, at_nodes, _passed(course, route, axes, at_nodes))
+
+
+def _in_a_row(motions: Sequence[Motion], times: FloatArray) -> Trajectory:
+    """Return the motions of one axis one after the other, which begin at these times."""
+    parts = [as_trajectory(motion) for motion in motions]
+    n = max(part.order for part in parts)
+    breaks = [begin + part.breaks[:-1] for part, begin in zip(parts, times, strict=False)]
+    states = [np.pad(part.states, ((0, 0), (0, n - part.order))) for part in parts]
+    end = np.pad(parts[-1].end_state, (0, n - parts[-1].order))
+    return Trajectory.from_arrays(
+        np.concatenate([*breaks, times[-1:]]),
+        np.vstack(states),
+        np.concatenate([part.durations for part in parts]),
+        end,
+    )
+
+
+def _ended(motion: Trajectory, position: float) -> Trajectory:
+    """Return a motion that ends where it should to the last bit."""
+    end = motion.end_state.copy()
+    end[0] = position
+    return Trajectory.from_arrays(motion.breaks, motion.states, motion.durations, end)
+
+
+def _passed(
+    course: Course, route: Route, axes: Sequence[Trajectory], at_nodes: FloatArray
+) -> FloatArray:
+    """Return when each point of the course is passed: first, where it lies on a line."""
+    times = np.empty(len(course.points))
+    size = np.abs(np.diff(course.points, axis=0)).max()
+    for i, (first, last) in enumerate(route.windows):
+        times[i] = at_nodes[first]
+        if last > first:
+            when, far = approaches(axes, course.points[i], at_nodes[first], at_nodes[last])
+            times[i] = when[np.argmax(far <= far.min() + _ROUNDING * size)]
+    return times
+
+
+def _near(found: Found, route: Route, corner: float) -> bool:
+    """Tell whether the blends stay within the distance of their corners."""
+    for place, leg in route.blends:
+        _, far = approaches(found.axes, place, *found.node_times[leg : leg + 2])
+        if far.max() > corner * (1.0 + _ROUNDING):
+            return False
+    return True

@@ -1,0 +1,131 @@
+"""The legs of a route, planned exactly between states of motion at their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..limits import Limits
+from ..pieces import FloatArray
+from ..scans import change_of_velocity
+from ..trajectory import Motion, Trajectory, as_trajectory
+from ..transfers.axes import planned_motion
+from ..transfers.problem import Transfer
+from ..transfers.synchronize import synchronize
+from .route import Leg, Route
+
+States = list[FloatArray]
+"""Of every node the position and its derivatives, (order, axes)."""
+
+
+@dataclass(frozen=True)
+class PlannedLegs:
+    """Legs planned one after the other: of each the duration, and the motions of all axes."""
+
+    durations: tuple[float, ...]
+    motions: tuple[tuple[Motion, ...], ...]
+
+    @property
+    def duration(self) -> float:
+        """Of all together."""
+        return sum(self.durations)
+
+    def part(self, first: int, last: int) -> PlannedLegs:
+        """Return the legs from one to before another."""
+        return PlannedLegs(self.durations[first:last], self.motions[first:last])
+
+    def with_part(self, first: int, other: PlannedLegs) -> PlannedLegs:
+        """Return the legs with others in the place of some."""
+        last = first + len(other.durations)
+        return PlannedLegs(
+            (*self.durations[:first], *other.durations, *self.durations[last:]),
+            (*self.motions[:first], *other.motions, *self.motions[last:]),
+        )
+
+
+def at_rest(route: Route, order: int) -> States:
+    """Return the states of nodes at which nothing moves that is free to."""
+    states = []
+    for node in route.nodes:
+        state = np.zeros((order, len(node.place)))
+        state[0], state[1] = node.place, node.velocity
+        states.append(state)
+    return states
+
+
+def planned(
+    legs: Sequence[Leg], states: Sequence[FloatArray], limits: Sequence[Limits]
+) -> PlannedLegs:
+    """Return the fastest motions over legs with these states at their nodes.
+
+    Raises
+    ------
+    ValueError
+        For states between which a leg has no motion within its bounds.
+    """
+    motions = tuple(_leg(leg, states[i], states[i + 1], limits) for i, leg in enumerate(legs))
+    return PlannedLegs(tuple(max(m.duration for m in leg) for leg in motions), motions)
+
+
+def _leg(
+    leg: Leg, start: FloatArray, end: FloatArray, limits: Sequence[Limits]
+) -> tuple[Motion, ...]:
+    if leg.kind == "scan":
+        return _scan(leg, start, end, limits)
+    if leg.kind == "straight":
+        return _line(leg, start, end)
+    given = [
+        (start[: one.order, k].tolist(), end[: one.order, k].tolist(), one)
+        for k, one in enumerate(limits)
+    ]
+    together = synchronize(given)
+    for motion in together:
+        _check_inside(motion)
+    return tuple(together)
+
+
+def _line(leg: Leg, start: FloatArray, end: FloatArray) -> tuple[Motion, ...]:
+    """Return one motion along the line, scaled to the axes."""
+    way, [limits] = leg.way[:, 0], leg.limits
+    begin, finish = way @ start.T, way @ end.T
+    begin[0], finish[0] = 0.0, np.linalg.norm(end[0] - start[0])
+    n = limits.order
+    along = planned_motion("the line", begin[:n].tolist(), finish[:n].tolist(), limits)
+    _check_inside(along)
+    return _on_line(as_trajectory(along), way, start[0])
+
+
+def _scan(
+    leg: Leg, start: FloatArray, end: FloatArray, limits: Sequence[Limits]
+) -> tuple[Motion, ...]:
+    duration = float(np.linalg.norm(end[0] - start[0])) / leg.speed
+    motions = []
+    for k, one in enumerate(limits):
+        rates = [start[1, k], *[0.0] * (one.order - 1)]
+        after = [end[0, k], *rates]
+        motions.append(Trajectory([0.0, duration], [[start[0, k], *rates]], end_state=after))
+    return tuple(motions)
+
+
+def run_up(leg: Leg, place: FloatArray) -> tuple[Motion, ...]:
+    """Return the motions from rest to the velocity of a scan, which end at its first place."""
+    change = change_of_velocity(0.0, leg.speed, leg.limits[0])
+    return _on_line(change.shift(-float(change.end_state[0])), leg.way[:, 0], place)
+
+
+def run_out(leg: Leg, place: FloatArray) -> tuple[Motion, ...]:
+    """Return the motions from the velocity of a scan to rest, which begin at its last place."""
+    return _on_line(change_of_velocity(leg.speed, 0.0, leg.limits[0]), leg.way[:, 0], place)
+
+
+def _on_line(along: Trajectory, way: FloatArray, place: FloatArray) -> tuple[Motion, ...]:
+    pairs = zip(way.tolist(), place.tolist(), strict=True)
+    return tuple(along.scale(share).shift(x) for share, x in pairs)
+
+
+def _check_inside(motion: Motion) -> None:
+    """Refuse a motion that begins outside its bounds."""
+    if isinstance(motion, Transfer) and motion.inside_after:
+        raise ValueError(f"{motion!r} begins outside its bounds")
