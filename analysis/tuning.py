@@ -141,7 +141,8 @@ def tune_pid(
 
 
 def _margins(loop: OpenGains, gains: Real) -> LoopMargins:
-    return loop_margins(loop.system(gains), delay=loop.delay)
+    margins: LoopMargins = loop_margins(loop.system(gains), delay=loop.delay)
+    return margins
 
 
 def _above_one(name: str, bound: float) -> float:

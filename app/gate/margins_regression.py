@@ -140,7 +140,8 @@ def _measured(loop: Checked, delay: float) -> tuple[tuple[Number, ...], str | No
 def _margins(loop: Any, delay: float) -> LoopMargins:
     if isinstance(loop, LoopMargins):
         return loop
-    return loop_margins(loop, delay=delay)
+    margins: LoopMargins = loop_margins(loop, delay=delay)
+    return margins
 
 
 def _compare(
