@@ -164,7 +164,7 @@ def _evaluated(system: Any, places: Complex) -> Complex:
         above, below = system.num_array[0, 0], system.den_array[0, 0]
         return np.asarray(np.polyval(above, places) / np.polyval(below, places))
     a, b, c, d = (np.asarray(part) for part in (system.A, system.B, system.C, system.D))
-    if not len(a):
+    if not len(a) or not len(places):
         return np.full(len(places), d[0, 0], dtype=complex)
     parts = []
     for start in range(0, len(places), _CHUNK):

@@ -13,6 +13,7 @@ from .rational_fits import Complex, Real
 
 _SURE = 1.5  # standard deviations off the level
 _LEAST_GAIN = 0.01
+_MATTERS = 0.1  # |L| of a place that is told as unsure
 _MOST_SPREAD = 0.5  # of |L|: more is noise
 _HALVINGS = 50
 
@@ -44,7 +45,9 @@ def phase_crossings(grid: LoopGrid) -> Crossings:
     size = abs(found.value)
     kept = (size > _LEAST_GAIN) & (found.sigma < _MOST_SPREAD * size)
     places, value, sigma, slope, unsure = found
-    return Crossings(places[kept], value[kept], sigma[kept], slope[kept], unsure)
+    near = grid.loop.at(unsure)
+    loud = (abs(near.value) > _MATTERS) & (near.sigma < _MOST_SPREAD * abs(near.value))
+    return Crossings(places[kept], value[kept], sigma[kept], slope[kept], unsure[loud])
 
 
 def _crossings(grid: LoopGrid, excess: Excess, most: float) -> Crossings:

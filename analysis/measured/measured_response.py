@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping.checks import one_of, positive, whole
+from ...shaping.drawing import draw
 from ...shaping.frozen import Frozen
 from ...shaping.real_numbers import shown
 from .local_fits import LEAST_LINES, LocalFits, local_fits
@@ -149,6 +150,10 @@ class MeasuredResponse(Frozen):
     def fits(self) -> LocalFits:
         """Rational fits around the gaps between its lines."""
         return local_fits(self.frequency_hz, self.response, self.sigma)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw it by `jounce.plots`; with controller=… the loop that it closes."""
+        return draw(self, ax, **options)
 
     def __repr__(self) -> str:
         low, high = self.frequency_hz[[0, -1]]

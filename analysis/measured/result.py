@@ -130,12 +130,6 @@ class MeasuredMargins(Frozen):
     def __str__(self) -> str:
         return self.summary()
 
-    def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the margins with their error bars by `jounce.plots`."""
-        from ...shaping.drawing import draw
-
-        return draw(self, ax, **options)
-
 
 _VERDICTS = {True: "stable", False: "UNSTABLE", None: "STABILITY CANNOT BE TOLD"}
 _ROWS = (

@@ -55,7 +55,7 @@ def stability(grid: LoopGrid, parts: Factored) -> Stability:
     turns = _turns(1.0 + grid.value) + start
     closed = round(unstable - 2.0 * turns)
     if closed == 0:
-        how = f"1 + L turns {turns:+.2f} times about 0 for {unstable} unstable poles of L"
+        how = f"with {unstable} unstable poles of L the turns of 1 + L leave the closed loop none"
         return Stability(True, (f"stable: {how}",), assumed)
     if closed < 0:
         return Stability(
