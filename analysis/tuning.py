@@ -16,6 +16,8 @@ from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
+from .measured import MeasuredMargins, MeasuredResponse, is_frd
+from .measured.open_gains import MeasuredGains
 
 _EXCESS = 1e-5  # by how much a peak may pass its bound between the points, relative
 _ROUNDS = 30
@@ -40,7 +42,7 @@ class TunedPID(Frozen):
     """
 
     controller: Controller
-    margins: LoopMargins
+    margins: LoopMargins | MeasuredMargins
     programs: int
 
     @property
@@ -79,8 +81,10 @@ def tune_pid(
 
     Parameters
     ----------
-    plant : Inertia, FlexibleInertia, Axis or python-control system
-        Its friction, torque limit and resolution are left out.
+    plant : Inertia, FlexibleInertia, Axis, python-control system or MeasuredResponse
+        Its friction, torque limit and resolution are left out. A measured plant (frequency
+        response data are taken for one) is looked at between its first and its last line; it has
+        its delay in it, and the controller runs at its sample time.
     max_sensitivity, max_complementary : float, optional
         M_s and M_t, above 1. 1.4 is robust, 2 brisk; M_s gives a gain margin of M_s/(M_s − 1) and
         a phase margin of 2·asin(1/(2·M_s)) at least. Give both: M_s alone leaves a large M_t.
@@ -127,6 +131,9 @@ def tune_pid(
         _above_one("max_sensitivity", max_sensitivity),
         _above_one("max_complementary", max_complementary),
     )
+    if isinstance(plant, MeasuredResponse) or is_frd(plant):
+        plant = _measured_plant(plant, delay)
+        sample_time = plant.dt if sample_time is None else sample_time
     digital = sample_time is not None
     controller = Controller(
         PID(1.0, 1.0, 1.0, derivative_filter=derivative_filter),
@@ -134,14 +141,39 @@ def tune_pid(
         sample_time=sample_time,
         delay=delay if digital else 0.0,
     )
-    loop = OpenGains(plant, controller, 0.0 if digital else pure_delay(delay))
-    omega = frequency_points(loop.system(np.ones(3)), loop.delay)
+    loop: OpenGains | MeasuredGains
+    if isinstance(plant, MeasuredResponse):
+        loop = MeasuredGains(plant, controller)
+        omega = loop.omega()
+    else:
+        loop = OpenGains(plant, controller, 0.0 if digital else pure_delay(delay))
+        omega = frequency_points(loop.system(np.ones(3)), loop.delay)
     gains = _start(loop, omega, around)
     return _tuned(loop, omega, gains, around)
 
 
-def _margins(loop: OpenGains, gains: Real) -> LoopMargins:
-    return loop_margins(loop.system(gains), delay=loop.delay)
+def _measured_plant(plant: Any, delay: float) -> MeasuredResponse:
+    """Return a measured plant; ValueError for what is not one, or with a delay besides."""
+    if finite("delay", delay):
+        raise ValueError(
+            f"delay = {delay!r} of a measured plant, which has its delay in it: leave it out"
+        )
+    if is_frd(plant):
+        return MeasuredResponse.from_frd(plant, kind="plant")
+    measured: MeasuredResponse = plant
+    if measured.kind != "plant":
+        raise ValueError(
+            f"kind = {measured.kind!r}: expected a response of the plant; take out the controller "
+            "that it was measured with by plant_response(frf, controller)"
+        )
+    return measured
+
+
+def _margins(loop: OpenGains | MeasuredGains, gains: Real) -> LoopMargins | MeasuredMargins:
+    if isinstance(loop, MeasuredGains):
+        return loop.margins(gains)
+    margins: LoopMargins = loop_margins(loop.system(gains), delay=loop.delay)
+    return margins
 
 
 def _above_one(name: str, bound: float) -> float:
@@ -154,7 +186,7 @@ def _above_one(name: str, bound: float) -> float:
     return number
 
 
-def _start(loop: OpenGains, omega: Real, around: tuple[Circle, ...]) -> Real:
+def _start(loop: OpenGains | MeasuredGains, omega: Real, around: tuple[Circle, ...]) -> Real:
     """Return gains that keep the bounds, of a stable loop: the largest ki that is tried."""
     terms = loop.terms(omega)
     double = abs(terms[:, 2]) * omega  # |k|·ω² of G = 1/(J·s²): constant over ω
@@ -171,7 +203,7 @@ def _start(loop: OpenGains, omega: Real, around: tuple[Circle, ...]) -> Real:
     raise _unreachable(loop, nearest)
 
 
-def _unreachable(loop: OpenGains, nearest: Real) -> ValueError:
+def _unreachable(loop: OpenGains | MeasuredGains, nearest: Real) -> ValueError:
     margins = _margins(loop, nearest)
     reached = (
         f"the nearest has |S| up to {margins.sensitivity_peak:.3g} and |T| up to "
@@ -186,7 +218,9 @@ def _unreachable(loop: OpenGains, nearest: Real) -> ValueError:
     )
 
 
-def _tuned(loop: OpenGains, omega: Real, gains: Real, around: tuple[Circle, ...]) -> TunedPID:
+def _tuned(
+    loop: OpenGains | MeasuredGains, omega: Real, gains: Real, around: tuple[Circle, ...]
+) -> TunedPID:
     """Return the optimum, the grid refined where a peak passes its bound between the points."""
     programs = 0
     for _ in range(_ROUNDS):
@@ -210,7 +244,7 @@ def _tuned(loop: OpenGains, omega: Real, gains: Real, around: tuple[Circle, ...]
     )
 
 
-def _passed(margins: LoopMargins, around: tuple[Circle, ...]) -> list[float]:
+def _passed(margins: LoopMargins | MeasuredMargins, around: tuple[Circle, ...]) -> list[float]:
     """Return where, in rad/s, a peak is larger than its bound."""
     bounds = (1.0 / around[0].radius, around[1].center / around[1].radius)
     peaks = (

@@ -15,6 +15,7 @@ import typer
 from .check_command import CHECK_FAILED, OVERRIDES, check_command
 from .export_commands import export_app
 from .fmu_commands import fmu_app
+from .frf_command import frf_command
 from .printing import message_of, print_parts
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("check")(check_command)
+app.command("frf")(frf_command)
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(export_app, name="export")
 

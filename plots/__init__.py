@@ -18,6 +18,7 @@ from .frequency_view import (
 )
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
+from .measured import plot_measured_nyquist, plot_measured_response
 from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajectory
 from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
@@ -35,6 +36,8 @@ __all__ = [
     "plot_frequency_responses",
     "plot_loop_response",
     "plot_margin_contours",
+    "plot_measured_nyquist",
+    "plot_measured_response",
     "plot_motions",
     "plot_null_by_size",
     "plot_periodic_response",

@@ -21,6 +21,7 @@ from ..analysis.limit_tuning import TunedLimits
 from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
+from ..analysis.measured import MeasuredResponse
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..plant import LoopResponse
 from ..shaping import FollowerResponse, Synchronized, Tour, Trajectory
@@ -41,6 +42,7 @@ from .frequency_view import (
 from .limit_tuning import plot_tuned_limits
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
+from .measured import plot_measured_response
 from .motions import plot_following, plot_trajectory
 from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
@@ -108,6 +110,7 @@ _PANELS: dict[type, Picture] = {
     CascadedLags: plot_cascaded_lags,
     CosimulationResult: plot_cosimulation,
     TunedLimits: plot_tuned_limits,
+    MeasuredResponse: plot_measured_response,
 }
 _SINGLE: dict[type, Picture] = {
     FollowerResponse: plot_following,

@@ -14,16 +14,20 @@ import jounce.app
 import jounce.plant
 import jounce.shaping
 from jounce.analysis import (
+    MeasuredResponse,
     Mode,
     Requirement,
     Specification,
     Tracking,
     cascaded_lags,
+    closed_responses,
     conformance,
     describing_function,
+    estimate_frf,
     first_order_lag,
     frequency_response,
     loop_margins,
+    multisine,
     null_by_size,
     periodic_response,
     sensitivity_of_shapers,
@@ -90,6 +94,9 @@ FOLLOWER = CommandFollower(LIMITS, dt=0.1, jerk_filter=FILTER)
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
 RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnection
 SURVEY = survey_file(load_scenario("examples/telescope.toml"))
+LINES = np.arange(1.0, 30.0)
+FRF = MeasuredResponse(LINES, 10 / (1j * LINES), 1 / LINES, kind="loop")
+MULTISINE = multisine(0.01, 100, band_hz=(1.0, 40.0), torque=1.0)
 TUNED = tune_limits(
     LOOP, 3.0, settle_to=0.1, velocity=1.0, acceleration=2.0, orders=(3,), shapers=()
 )
@@ -153,6 +160,11 @@ NOUNS = [
     TorqueSine(1.0, 2.0),
     Wind("first_order", 1.0, corner_hz=2.0),
     loop_margins(LOOP.loop_transfer()),
+    FRF,
+    closed_responses(FRF),
+    loop_margins(FRF),
+    MULTISINE,
+    estimate_frf(MULTISINE.values, MULTISINE.repeated(2), MULTISINE.repeated(2), 0.01, period=100),
     servo_margins([1.0, 2.0], PID(1.0, 1.0, 2.0)),
     SURVEY,
     SURVEY.scenario,

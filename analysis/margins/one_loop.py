@@ -1,12 +1,14 @@
 """Stability margins of a single-input, single-output negative-feedback loop."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from ...plant.servo_loop import ServoLoop
+from ...plant import ServoLoop, as_controller
 from ...shaping.checks import finite
+from ..measured import MeasuredMargins, MeasuredResponse, is_frd, measured_margins
 from .bandwidth import bandwidth
 from .delayed_poles import rightmost_poles
 from .factored_loop import Complex, FactoredLoop, Real, is_stable
@@ -42,9 +44,25 @@ _SILENT = {
 }
 
 
+@overload
 def loop_margins(
-    system: "control.StateSpace | control.TransferFunction | ServoLoop", *, delay: float = 0.0
-) -> LoopMargins:
+    system: MeasuredResponse,
+    *,
+    delay: float = ...,
+    controller: Any = ...,
+    measured_with: Any = ...,
+) -> MeasuredMargins: ...
+@overload
+def loop_margins(
+    system: "control.StateSpace | control.TransferFunction | ServoLoop",
+    *,
+    delay: float = ...,
+    controller: Any = ...,
+    measured_with: None = ...,
+) -> LoopMargins: ...
+def loop_margins(
+    system: Any, *, delay: float = 0.0, controller: Any = None, measured_with: Any = None
+) -> LoopMargins | MeasuredMargins:
     """Return the margins of the unity negative-feedback loop around `system`.
 
         L(s) = G(s)·e^(−s·delay),   or L(z) of a loop that is discrete in time
@@ -59,20 +77,27 @@ def loop_margins(
         Open-loop transfer, one input, one output: G(s) in rad/s, where an ideal (improper)
         transfer function is accepted without a delay, or L(z) with its sampling time in seconds,
         such as `ServoLoop.sampled_loop_transfer` gives. Of a ServoLoop it is its open loop, with
-        delay and sampling as they are.
+        delay and sampling as they are. A measured response, or python-control's frequency response
+        data (of L, or with a controller of the plant), has its margins read off the data as far
+        as they go, with error bars and worst cases: see `MeasuredMargins`.
     delay : float, optional
         Pure delay in seconds behind a system in continuous time, taken as it is, without a Padé
         approximation. A discrete loop has its delay in L(z).
+    controller : Controller, PID, CascadedPI or python-control system, optional
+        C of L = C·G, `system` being the plant G, a model or measured.
+    measured_with : the same, optional
+        The controller that a measured plant ran with: stability is counted relative to it.
 
     Returns
     -------
     LoopMargins
-        Frequencies in Hz, gains in dB, angles in degrees, delay in seconds.
+        Frequencies in Hz, gains in dB, angles in degrees, delay in seconds; MeasuredMargins of
+        what was measured.
 
     Raises
     ------
     TypeError
-        If `system` is neither of the two types.
+        If `system` is none of these.
     ValueError
         If `system` has several inputs or outputs, coefficients that are not finite, no sampling
         time although it is discrete, or, discrete or behind a delay, more zeros than poles; if
@@ -112,7 +137,18 @@ def loop_margins(
     >>> [(round(low, 4), high) for low, high in unstable.stabilizing_gains]
     [(1.3571, inf)]
     """
+    if isinstance(system, MeasuredResponse) or is_frd(system):
+        return _of_data(system, delay, controller, measured_with)
+    if measured_with is not None:
+        raise ValueError(
+            f"measured_with of a {type(system).__name__}: expected it with a MeasuredResponse of "
+            "kind 'plant'; leave it out"
+        )
+    if controller is not None and not isinstance(system, ServoLoop):
+        system = ServoLoop(system, as_controller(controller))
     if isinstance(system, ServoLoop):
+        if controller is not None and system.controller is not controller:
+            system = replace(system, controller=as_controller(controller))
         system = system.loop_transfer()
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))
@@ -122,13 +158,27 @@ def loop_margins(
         return _of_pieces(loop, pieces_of(rooted(loop)))
 
 
+def _of_data(system: Any, delay: float, controller: Any, measured_with: Any) -> MeasuredMargins:
+    """Return the margins of data; bare data with a controller are those of a plant."""
+    if finite("delay", delay):
+        raise ValueError(
+            f"delay = {delay!r} of measured data, which have their delay in them; leave it out, "
+            "or multiply the response by e^(−jω·delay)"
+        )
+    if is_frd(system):
+        kind: Any = "loop" if controller is None else "plant"
+        system = MeasuredResponse.from_frd(system, kind=kind)
+    return measured_margins(system, controller, measured_with=measured_with)
+
+
 def _validate(system: Any) -> None:
     import control
 
     if not isinstance(system, control.StateSpace | control.TransferFunction):
         raise TypeError(
-            f"system is a {type(system).__name__}; loop_margins takes a control.StateSpace or "
-            "control.TransferFunction: convert it with control.ss or control.tf"
+            f"system is a {type(system).__name__}; loop_margins takes a control.StateSpace, "
+            "control.TransferFunction, frequency response data or a ServoLoop: convert it with "
+            "control.ss, control.tf or control.frd"
         )
     if (system.noutputs, system.ninputs) != (1, 1):
         raise ValueError(

@@ -27,11 +27,15 @@ _UPDATE = "--update"
 
 @dataclass(frozen=True)
 class Stored:
-    """A number of a baseline: its value, None where it does not exist, and its tolerance."""
+    """A number of a baseline: its value, None where it does not exist, and its tolerance.
+
+    `sigma` is the standard deviation of one that was measured.
+    """
 
     value: float | None
     rtol: float
     atol: float
+    sigma: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,8 @@ def load_baseline(path: Path, *, anew: str = _UPDATE) -> Baseline:
             problems.append(f"{key_path(where)}: {problem}")
         else:
             value = None if entry["value"] is None else float(entry["value"])
-            numbers[where[1:]] = Stored(value, float(entry["rtol"]), float(entry["atol"]))
+            sizes = (float(entry.get(name, 0.0)) for name in ("rtol", "atol", "sigma"))
+            numbers[where[1:]] = Stored(value, *sizes)
     if not problems and not numbers:
         problems.append("numbers: holds none")
     conditions = None
@@ -126,7 +131,7 @@ def in_unit(stored: Baseline, unit: str | None) -> Baseline:
 
 def _times(stored: Stored, ratio: float) -> Stored:
     value = None if stored.value is None else stored.value * ratio
-    return Stored(value, stored.rtol, stored.atol * ratio)
+    return Stored(value, stored.rtol, stored.atol * ratio, stored.sigma * ratio)
 
 
 def check_origin(stored: Baseline, path: Path, scenario: str, unit: str) -> None:
@@ -184,7 +189,8 @@ def _remedy(anew: str) -> str:
 def _json(value: object, indent: str = "\n") -> str:
     """Return sorted JSON, a stored number on a line of its own."""
     if isinstance(value, Stored):
-        value = {"atol": value.atol, "rtol": value.rtol, "value": value.value}
+        measured = {"sigma": value.sigma} if value.sigma else {}
+        value = {"atol": value.atol, "rtol": value.rtol, "value": value.value} | measured
     elif isinstance(value, dict) and value:
         inner = indent + "  "
         entries = [f"{_json(name)}: {_json(value[name], inner)}" for name in sorted(value)]
@@ -230,7 +236,10 @@ def _problem_of(entry: Mapping[str, Any]) -> str:
         if not _is_finite(value) or (name != "value" and value < 0.0):
             accepted = "a finite number" if name == "value" else "a number not below zero"
             return f"{name} = {show(value)} is not {accepted}"
-    unknown = sorted(set(entry) - {"value", "rtol", "atol"})
+    sigma = entry.get("sigma", 0.0)
+    if not _is_finite(sigma) or sigma < 0.0:
+        return f"sigma = {show(sigma)} is not a number not below zero"
+    unknown = sorted(set(entry) - {"value", "rtol", "atol", "sigma"})
     return f"{show(unknown[0])} is not known" if unknown else ""
 
 

@@ -16,7 +16,7 @@ from ..units import show
 from .numbers import Key, Number
 
 _WHAT = "a check file (TOML)"
-_KEYS = ("min", "max", "rtol", "atol")
+_KEYS = ("min", "max", "rtol", "atol", "sigmas")
 
 
 class CheckError(ValueError):
@@ -25,17 +25,28 @@ class CheckError(ValueError):
 
 @dataclass(frozen=True)
 class Requirement:
-    """What a check file asks of one number; `rtol` and `atol` are None where it does not say."""
+    """What a check file asks of one number; what is None it does not say.
+
+    `sigmas` is how many standard deviations a measured number has to be beyond a bound to fail,
+    and within it to pass for sure.
+    """
 
     least: float = -inf
     most: float = inf
     rtol: float | None = None
     atol: float | None = None
+    sigmas: float | None = None
 
-    def admits(self, value: float) -> bool:
-        """Whether a value lies within the bounds; one that does not exist lies in none."""
+    def admits(self, value: float, sigma: float = 0.0) -> bool:
+        """Whether a value may lie within the bounds; one that does not exist lies in none."""
+        room = (self.sigmas or 0.0) * sigma
         unbounded = self.least == -inf and self.most == inf
-        return unbounded or self.least <= value <= self.most
+        return unbounded or self.least - room <= value <= self.most + room
+
+    def is_sure_of(self, value: float, sigma: float) -> bool:
+        """Whether a value that is admitted lies within the bounds by as many deviations."""
+        room = (self.sigmas or 0.0) * sigma
+        return self.least + room <= value <= self.most - room or not room
 
 
 @dataclass(frozen=True)
@@ -215,7 +226,7 @@ def _problem_of(name: str, value: object) -> str:
         finite = False
     if not finite:
         return f"{show(value)} is not finite; write a finite number or leave {name} out"
-    if name in ("rtol", "atol") and value < 0.0:
+    if name in ("rtol", "atol", "sigmas") and value < 0.0:
         return f"{show(value)} is below zero; write a tolerance such as 1e-6"
     return ""
 
@@ -223,7 +234,11 @@ def _problem_of(name: str, value: object) -> str:
 def _requirement(value: Mapping[str, Any]) -> Requirement:
     numbers = {name: float(entry) for name, entry in value.items()}
     return Requirement(
-        numbers.get("min", -inf), numbers.get("max", inf), numbers.get("rtol"), numbers.get("atol")
+        numbers.get("min", -inf),
+        numbers.get("max", inf),
+        numbers.get("rtol"),
+        numbers.get("atol"),
+        numbers.get("sigmas"),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, isnan
+from math import hypot, inf, isfinite, isnan
 from typing import Literal
 
 from ..scenario_messages import key_path
@@ -14,7 +14,7 @@ from .conditions import Conditions
 from .numbers import RTOL, Better, Key, Number, absent
 
 Verdict = Literal[
-    "outside", "worse", "changed", "gone", "better", "new", "same", "within", "unchecked"
+    "outside", "worse", "changed", "gone", "better", "new", "unsure", "same", "within", "unchecked"
 ]
 
 FAILURES: tuple[Verdict, ...] = ("outside", "worse", "changed", "gone")
@@ -23,6 +23,7 @@ FAILURES: tuple[Verdict, ...] = ("outside", "worse", "changed", "gone")
 NOTES: tuple[Verdict, ...] = ("better", "new")
 """Verdicts that pass, but that a new baseline would settle."""
 
+_SIGMAS = 3.0  # by how many standard deviations a measured number differs for sure
 _DIGITS = 7
 _MOST_DIGITS = 17
 
@@ -44,7 +45,8 @@ class Row:
         "outside" a bound of the check file, or beside the baseline: "worse", "better",
         "changed" (beyond tolerance, for a number without a better side), "same" (within
         tolerance), "gone" (only in the baseline) or "new" (not in it). Without a baseline:
-        "within" the bounds, or "unchecked" for want of any.
+        "within" the bounds, or "unchecked" for want of any. "unsure": a measured one that is not
+        outside a bound for sure, nor within.
     """
 
     key: Key
@@ -111,9 +113,10 @@ def compare(
     """Return a row for every number, measured or stored.
 
     A number is the same as in its baseline where they differ by no more than
-    max(rtol·|was|, atol), or where neither has a value. Tolerances are those that the check file
-    gives to the number itself, else those of the baseline: the check file's `rtol` of all numbers
-    counts where a baseline is stored (see `measured_baseline`), not here. With `two_sided`, what a
+    max(rtol·|was|, atol), of measured ones 3 standard deviations of the difference, or where
+    neither has a value. Tolerances are those that the check file gives to the number itself, else
+    those of the baseline: the check file's `rtol` of all numbers counts where a baseline is stored
+    (see `measured_baseline`), not here. With `two_sided`, what a
     row allows ends on the better side, too.
     """
     rows = [_row(number, baseline, checks, two_sided=two_sided) for number in numbers]
@@ -146,7 +149,7 @@ def measured_baseline(
             entry = replace(entry, rtol=checks.rtol)
         rtol, atol = _tolerance(entry, checks.of(number.key))
         value = number.value if isfinite(number.value) else None
-        stored[number.key] = Stored(value, rtol, atol)
+        stored[number.key] = Stored(value, rtol, atol, number.sigma)
     return Baseline(scenario, position_unit, stored, conditions)
 
 
@@ -158,10 +161,14 @@ def _row(number: Number, baseline: Baseline | None, checks: Checks, *, two_sided
     if stored is not None:
         was = absent(number.better) if stored.value is None else stored.value
         rtol, atol = _tolerance(stored, asked)
-        width = max(rtol * abs(was), atol) if isfinite(was) else 0.0
+        noise = hypot(number.sigma, stored.sigma)
+        room = (_SIGMAS if asked.sigmas is None else asked.sigmas) * noise
+        width = max(rtol * abs(was), atol, room) if isfinite(was) else 0.0
         verdict = _beside(was, number, width)
         least, most = _allowed(was, None if two_sided else number.better, width, asked)
-    if not asked.admits(number.value):
+    if verdict not in FAILURES and not asked.is_sure_of(number.value, number.sigma):
+        verdict = "unsure"
+    if not asked.admits(number.value, number.sigma):
         verdict, least, most = "outside", asked.least, asked.most
     return Row(number.key, was, number.value, least, most, verdict)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from pytest_regressions.common import perform_regression_check
 
 from ...analysis.margins import LoopMargins, loop_margins
+from ...analysis.measured import MeasuredMargins, MeasuredResponse
 from ...plant import ServoLoop
 from ...shaping.checks import finite
 from ..result_files import write_files
@@ -16,7 +17,7 @@ from .baseline import Baseline, in_unit, load_baseline
 from .check_file import CheckError, Checks, Requirement
 from .comparison import compare, measured_baseline
 from .conditions import Conditions, changes, scenario_conditions
-from .numbers import Number, loop_numbers, survey_numbers
+from .numbers import Number, loop_numbers, measured_numbers, survey_numbers
 from .report import table_text
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
     from ...analysis.loop_survey import Survey
     from ..scenario import Scenario
 
-    Loop: TypeAlias = control.StateSpace | control.TransferFunction | ServoLoop | LoopMargins
+    Data: TypeAlias = control.FrequencyResponseData | MeasuredResponse | MeasuredMargins
+    Loop: TypeAlias = control.StateSpace | control.TransferFunction | ServoLoop | LoopMargins | Data
     Checked: TypeAlias = Loop | Survey | Scenario | str | Path
 
 _DIFFERENT = ("worse", "changed", "gone", "better")
@@ -50,6 +52,7 @@ class MarginsRegression:
         loop: Checked,
         *,
         delay: float = 0.0,
+        controller: Any = None,
         rtol: float | None = None,
         basename: str | None = None,
         fullpath: str | Path | None = None,
@@ -67,11 +70,14 @@ class MarginsRegression:
         Parameters
         ----------
         loop : control.StateSpace, control.TransferFunction, ServoLoop, LoopMargins, …
-            An open loop L(s) or a servo loop, whose margins are kept; or a Survey, a Scenario
-            or the path of a scenario file, of which every number is kept.
+            An open loop L(s), a servo loop or a measured response, whose margins are kept; or a
+            Survey, a Scenario or the path of a scenario file, of which every number is kept.
         delay : float, optional
             Pure delay in seconds behind an open loop or a continuous servo loop, as `loop_margins`
             takes it; a digital controller has its own.
+        controller : Controller, PID, CascadedPI or python-control system, optional
+            That of a plant, measured or a model, as `loop_margins` takes it. Margins of measured
+            responses are compared within 3 standard deviations of their difference.
         rtol : float, optional
             Relative tolerance of every number. Default: the file's, 1e-6 where it is new.
         basename : str, optional
@@ -92,7 +98,7 @@ class MarginsRegression:
         __tracebackhide__ = True
         if rtol is not None and finite("rtol", rtol) < 0.0:
             raise ValueError(f"rtol = {rtol!r}: expected a number not below zero")
-        numbers, unit, conditions = _measured(loop, delay)
+        numbers, unit, conditions = _measured(loop, delay, controller)
         checks = Checks(requirements={number.key: Requirement(rtol=rtol) for number in numbers})
         baseline = measured_baseline(
             numbers, None, checks, position_unit=unit, conditions=conditions or None
@@ -111,7 +117,9 @@ class MarginsRegression:
         )
 
 
-def _measured(loop: Checked, delay: float) -> tuple[tuple[Number, ...], str | None, Conditions]:
+def _measured(
+    loop: Checked, delay: float, controller: Any = None
+) -> tuple[tuple[Number, ...], str | None, Conditions]:
     """Return the numbers of a loop, the unit of positions among them, and their conditions."""
     __tracebackhide__ = True
     from ...analysis.loop_survey import Survey, UnstableLoopError
@@ -131,16 +139,19 @@ def _measured(loop: Checked, delay: float) -> tuple[tuple[Number, ...], str | No
     if isinstance(loop, Survey):
         conditions = scenario_conditions(loop.scenario) if isinstance(loop, ScenarioSurvey) else {}
         return survey_numbers(loop), loop.labels.position_unit, conditions
-    margins = _margins(loop, delay)
+    margins = _margins(loop, delay, controller)
     if not margins.stable:
         raise AssertionError(f"there are no margins to keep: {margins.summary()}")
+    if isinstance(margins, MeasuredMargins):
+        return measured_numbers(margins), None, {}
     return loop_numbers(margins), None, {("delay",): f"{float(delay):.12g} s"} if delay else {}
 
 
-def _margins(loop: Any, delay: float) -> LoopMargins:
-    if isinstance(loop, LoopMargins):
+def _margins(loop: Any, delay: float, controller: Any) -> LoopMargins | MeasuredMargins:
+    if isinstance(loop, LoopMargins | MeasuredMargins):
         return loop
-    return loop_margins(loop, delay=delay)
+    margins: LoopMargins | MeasuredMargins = loop_margins(loop, delay=delay, controller=controller)
+    return margins
 
 
 def _compare(

@@ -14,6 +14,7 @@ from ..scenario_messages import key_path
 if TYPE_CHECKING:
     from ...analysis.loop_survey import MoveSurvey, Survey
     from ...analysis.margins import LoopMargins
+    from ...analysis.measured import MeasuredMargins
     from ...analysis.requirement_checks import RequirementCheck
 
 Key = tuple[str, ...]
@@ -75,12 +76,15 @@ class Number:
     better : {"higher", "lower"} or None
     atol : float
         Size of its rounding errors: a smaller difference means nothing.
+    sigma : float
+        Its standard deviation, of one that was measured.
     """
 
     key: Key
     value: float
     better: Better
     atol: float = 0.0
+    sigma: float = 0.0
 
     def __post_init__(self) -> None:
         """Take a value that does not exist for one that never comes, or for none."""
@@ -116,6 +120,16 @@ def loop_numbers(margins: LoopMargins) -> tuple[Number, ...]:
     return tuple(
         Number(("margins", name), float(getattr(margins, name)), better)
         for name, better in _MARGINS.items()
+    )
+
+
+def measured_numbers(margins: MeasuredMargins) -> tuple[Number, ...]:
+    """Return the numbers of a measured loop that the data could give, with their deviations."""
+    told = [(name, getattr(margins, name), better) for name, better in _MARGINS.items()]
+    return tuple(
+        Number(("margins", name), value, better, sigma=float(getattr(margins, f"{name}_sigma")))
+        for name, value, better in told
+        if isfinite(value)
     )
 
 

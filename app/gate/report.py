@@ -27,9 +27,14 @@ if TYPE_CHECKING:
 
 _COLUMNS = ("", "was", "is", "allowed", "verdict")
 _COLOURS = ("bold red", "green", "")
-_QUIET: tuple[Verdict, ...] = ("same", "within", "unchecked")
+_QUIET: tuple[Verdict, ...] = ("unsure", "same", "within", "unchecked")
 _ORDER = (*FAILURES, *NOTES, *_QUIET)
-_QUIET_WORDS = {"same": "the same", "within": "within bounds", "unchecked": "unchecked"}
+_QUIET_WORDS = {
+    "unsure": "within bounds by less than their error",
+    "same": "the same",
+    "within": "within bounds",
+    "unchecked": "unchecked",
+}
 _WIDTH = 160
 _WIDEST = 10_000
 

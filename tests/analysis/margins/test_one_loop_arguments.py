@@ -34,7 +34,7 @@ def test_result_is_frozen_json_able_and_reads_as_text():
         (control.ss(-np.eye(2), np.eye(2), np.eye(2), 0), ValueError, "2 inputs and 2 outputs"),
         (control.tf([1], [1, 0.5], True), ValueError, "dt = True names no sampling time"),
         (control.tf([1, 0, 0], [1, 0.5], 0.1), ValueError, "2 zeros and 1 poles"),
-        (control.frd([1, 1j], [1, 2]), TypeError, "FrequencyResponseData; loop_margins takes"),
+        (control.frd([1, 1j], [1, 2]), ValueError, "response of 2 lines: expected 8"),
         (3.0, TypeError, "system is a float"),
         (control.tf([math.inf], [1, 1]), ValueError, "nan or inf"),
         (control.ss([[math.nan]], [[1]], [[1]], 0), ValueError, "nan or inf"),

@@ -1,0 +1,137 @@
+"""The command `jounce frf`: the margins of a measured response as a table and a picture."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .printing import print_parts
+
+if TYPE_CHECKING:
+    from ..analysis.measured import MeasuredMargins, MeasuredResponse
+
+UNSTABLE = 1
+
+
+def frf_command(
+    file: Annotated[Path, typer.Argument(help="Measured response: CSV, UFF 58 or .mat.")],
+    kind: Annotated[
+        str,
+        typer.Option(
+            help="What it is of: plant, loop, sensitivity, process-sensitivity, complementary."
+        ),
+    ],
+    controller: Annotated[
+        Path | None,
+        typer.Option(help="Scenario file (TOML) whose controller closes the loop on a plant."),
+    ] = None,
+    output: Annotated[
+        str, typer.Option(help="Of a plant: position, velocity or acceleration.")
+    ] = "position",
+    columns: Annotated[
+        str | None, typer.Option(help='A name for each column, such as "Hz,dB,deg,-".')
+    ] = None,
+    frequency_unit: Annotated[str | None, typer.Option(help="Hz, kHz or rad/s.")] = None,
+    averages: Annotated[
+        int | None, typer.Option(help="Independent averages behind the coherence.")
+    ] = None,
+    dt: Annotated[float | None, typer.Option(help="Sample time in seconds.")] = None,
+    integrators: Annotated[
+        int | None, typer.Option(help="In what was measured; default: by slope and phase.")
+    ] = None,
+    unstable_poles: Annotated[int | None, typer.Option(help="Of the plant.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw to this file (.png, .pdf, .svg).")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+) -> None:
+    """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
+    from ..analysis.measured import measured_margins, read_frf
+    from .result_files import check_picture
+
+    if plot is not None:
+        check_picture(plot)
+    names: Any = int(columns) if columns is not None and columns.isdigit() else columns
+    measured = read_frf(
+        file,
+        kind=kind,  # type: ignore[arg-type]
+        output=output,  # type: ignore[arg-type]
+        columns=names,
+        frequency_unit=frequency_unit,
+        averages=averages,
+        dt=dt,
+        integrators=integrators,
+        unstable_poles=unstable_poles,
+    )
+    law = None if controller is None else _controller_of(controller)
+    if measured.kind == "plant" and law is None:
+        print_parts(_plant_text(measured, as_json=as_json))
+        _draw(measured, law, plot, quiet=as_json)
+        return
+    margins = measured_margins(measured, law)
+    if as_json:
+        print(json.dumps(margins.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
+    else:
+        print_parts(*_report(measured, margins))
+    _draw(measured, law, plot, quiet=as_json)
+    if margins.stable is False:
+        raise typer.Exit(UNSTABLE)
+
+
+def _controller_of(path: Path) -> Any:
+    from .scenario import load_scenario
+    from .scenario_loop import servo_loop_of
+
+    return servo_loop_of(load_scenario(path)).controller
+
+
+def _report(measured: MeasuredResponse, margins: MeasuredMargins) -> list[Any]:
+    from .tables import plain_table
+
+    table = plain_table(repr(measured), "margin", "value", "sigma", "at worst", "at [Hz]")
+    for name, value, sigma, worst, unit, place in margins.rows():
+        cells = (_shown(number) for number in (value, sigma, worst, place))
+        table.add_row(f"{name} [{unit}]" if unit else name, *cells)
+    crossovers = [
+        f"{hz:.5g} ± {sigma:.2g}"
+        for hz, sigma in zip(margins.crossovers_hz, margins.crossovers_hz_sigma, strict=True)
+    ]
+    verdict = {True: "stable", False: "UNSTABLE", None: "STABILITY CANNOT BE TOLD"}
+    return [
+        table,
+        f"gain crossovers [Hz]: {', '.join(crossovers) or 'none'}",
+        verdict[margins.stable],
+        *(f"  {reason}" for reason in margins.reasons),
+        *(f"note: {warning}" for warning in margins.warnings),
+    ]
+
+
+def _shown(value: float) -> str:
+    return "–" if isnan(value) else f"{value:.4g}"
+
+
+def _plant_text(measured: MeasuredResponse, *, as_json: bool) -> str:
+    fitted = measured.fits
+    misfit = float(sorted(fitted.curves.misfit)[len(fitted.curves.misfit) // 2])
+    if as_json:
+        return json.dumps({"lines": len(measured.frequency_hz), "misfit": misfit})
+    return (
+        f"{measured!r}\nscatter off smooth curves: {misfit:.3g} times what the error bars say "
+        "(mean square); give --controller for the margins of a loop"
+    )
+
+
+def _draw(measured: MeasuredResponse, law: Any, path: Path | None, *, quiet: bool) -> None:
+    if path is None:
+        return
+    from matplotlib.figure import Figure
+
+    from ..plots.measured import plot_measured_response
+    from .result_files import save_figure, write_files
+
+    figure = plot_measured_response(measured, controller=law, figure=Figure())
+    write_files({path: lambda draft: save_figure(figure, draft)})
+    if not quiet:
+        print_parts(f"Wrote {path}")
