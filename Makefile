@@ -2,7 +2,12 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PYTEST := $(BIN)/python -m pytest --numprocesses=auto
+# Workers take their tests in the order of the files, so that few prepare the same twice.
+XDIST := --numprocesses=auto --dist=worksteal
+PYTEST := $(BIN)/python -m pytest $(XDIST)
+
+# Else every process of a test would compile what it imports again.
+unexport PYTHONDONTWRITEBYTECODE
 
 INSTALL := -m pip install --quiet --disable-pip-version-check --editable
 
@@ -46,13 +51,13 @@ test-lowest:
 	"$$python" -m venv --clear $(VENV)-lowest && \
 	$(PYTHON) .ci/lowest.py > $(VENV)-lowest/lowest.txt && \
 	$(VENV)-lowest/bin/python $(INSTALL) ".[dev]" --no-compile --constraint $(VENV)-lowest/lowest.txt && \
-	$(VENV)-lowest/bin/python -m pytest --numprocesses=auto -W ignore::DeprecationWarning $(BROAD); fi
+	$(VENV)-lowest/bin/python -m pytest $(XDIST) -W ignore::DeprecationWarning $(BROAD); fi
 
 # The newest releases that there are, on the newest Python of this machine.
 test-newest:
 	python=$$($(PYTHON) .ci/pythons.py newest) && "$$python" -m venv --clear $(VENV)-newest
 	$(VENV)-newest/bin/python $(INSTALL) ".[dev]" --no-compile
-	$(VENV)-newest/bin/python -m pytest --numprocesses=auto $(BROAD)
+	$(VENV)-newest/bin/python -m pytest $(XDIST) $(BROAD)
 
 check: $(VENV)/.installed-dev .typing/jounce check-core
 	$(BIN)/ruff check .

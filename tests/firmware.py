@@ -4,14 +4,14 @@ import ctypes
 import subprocess
 
 import numpy as np
-from fmus import pointer
+from fmus import SLOW, pointer
 
 from jounce.fmu import export_c
 
 STRICT = "-std=c99 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Icore"
 
 
-def library(where, driver, optimised="-O2"):
+def library(where, driver, optimised="-O2" if SLOW else "-O0"):
     """Return a library made of a folder's sources and a driver."""
     (where / "build").mkdir(exist_ok=True)
     (where / "build/driver.c").write_text(driver, encoding="ascii")

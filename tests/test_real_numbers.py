@@ -256,6 +256,7 @@ def _log():
     return READINGS[0], READINGS[1][0]
 
 
+REGISTRY = pint.UnitRegistry()
 SECOND = np.timedelta64(1, "s")
 NO_NUMBERS = {
     "text": "1.5",
@@ -276,7 +277,7 @@ NO_NUMBERS = {
     "mapping": {0: 1.5, 1: 2.5},
     "set": {-1.5, 2.5},
     "object": object(),
-    "quantity": pint.UnitRegistry().Quantity(1.5, "mm"),
+    "quantity": REGISTRY.Quantity(1.5, "mm"),
     "array of text": np.array("1.5"),
 }
 NO_ARRAYS = {
@@ -297,8 +298,8 @@ NO_ARRAYS = {
     "categories": pd.Categorical([0.5, 1.0]),
     "Series of texts": pd.Series(["0.5", "1.0"]),
     "Series of dates": pd.Series(pd.to_datetime(["2026-01-01", "2026-01-02"])),
-    "quantities": pint.UnitRegistry().Quantity([0.5, 1.0], "mm"),
-    "list of quantities": [pint.UnitRegistry().Quantity(0.5, "mm")] * 2,
+    "quantities": REGISTRY.Quantity([0.5, 1.0], "mm"),
+    "list of quantities": [REGISTRY.Quantity(0.5, "mm")] * 2,
     "array of truths": np.array([True, False]),
     "generator": (x for x in [0.5, 1.0]),
     "records": np.array([(0.5, 1.0)], dtype=[("x", float), ("v", float)]),
@@ -400,7 +401,7 @@ def test_the_line_names_the_type_and_the_remedy():
     with pytest.raises(TypeError, match=r"^dt = .*, not timedelta; .* total_seconds\(\)$"):
         MOVE.sample(datetime.timedelta(seconds=1))
     with pytest.raises(TypeError, match=r"^distance = .*: expected a number, not Quantity; .*m_as"):
-        min_time_move(pint.UnitRegistry().Quantity(1.0, "m"), LIMITS)
+        min_time_move(REGISTRY.Quantity(1.0, "m"), LIMITS)
     with pytest.raises(TypeError, match=r"not ndarray of timedelta64\[s\]; divide it by"):
         MOVE(np.array([SECOND]))
     with pytest.raises(TypeError, match=r"; leave out or fill what is masked$"):

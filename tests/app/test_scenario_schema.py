@@ -3,7 +3,6 @@
 import json
 import tomllib
 
-import jsonschema
 import pytest
 from good_scenario import GOOD, LINEAR, MODES
 from toml_values import inline
@@ -13,8 +12,16 @@ from jounce.app.scenario_messages import EXAMPLES
 from jounce.app.scenario_schema import scenario_schema, schema_text, shipped_schema
 
 
+@pytest.fixture(scope="module")
+def jsonschema():
+    """Load it in the one worker that needs it: it takes seconds."""
+    import jsonschema
+
+    return jsonschema
+
+
 @pytest.mark.parametrize("number", [1, 2])
-def test_the_shipped_file_is_what_the_models_give(number):
+def test_the_shipped_file_is_what_the_models_give(jsonschema, number):
     """`schema_text` makes it anew."""
     assert json.loads(shipped_schema(number)) == json.loads(schema_text(number))
     jsonschema.Draft202012Validator.check_schema(scenario_schema(number))
@@ -45,7 +52,7 @@ def test_it_knows_every_key_and_none_besides(number):
         {"moves": []},
     ],
 )
-def test_it_refuses_what_loading_refuses(write, change):
+def test_it_refuses_what_loading_refuses(jsonschema, write, change):
     content = {"format": 2, **tomllib.loads(GOOD)}
     jsonschema.validate(content, scenario_schema(2))
     content |= change
@@ -57,7 +64,7 @@ def test_it_refuses_what_loading_refuses(write, change):
 
 
 @pytest.mark.parametrize("text", [GOOD, LINEAR, GOOD + MODES])
-def test_files_of_format_1_are_right_by_both(text):
+def test_files_of_format_1_are_right_by_both(jsonschema, text):
     jsonschema.validate(tomllib.loads(text), scenario_schema(1))
     jsonschema.validate({"format": 2, **tomllib.loads(text)}, scenario_schema(2))
 

@@ -104,7 +104,7 @@ def test_pyplot_saves_what_was_drawn(draw, tmp_path):
     figure = drawn if isinstance(drawn, Figure) else drawn.figure
     assert plt.get_fignums() == [figure.number]
     assert plt.gcf() is figure
-    plt.savefig(tmp_path / "picture.png")
+    plt.savefig(tmp_path / "picture.png", dpi=40)
     assert inked(tmp_path / "picture.png") > 5e-3
 
 

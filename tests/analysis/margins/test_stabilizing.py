@@ -127,7 +127,7 @@ def test_delays_stabilise_within_their_intervals_and_nowhere_else(seed, num, den
             assert (counted == 0) == inside, (seed, delay, added, found[:4])
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(40 if SLOW else 12))
 def test_discrete_loops_are_stabilised_by_gains_and_whole_samples(seed):
     rng = np.random.default_rng(seed)
     num, den = [rounded(rng.uniform(-1, 1))], [1.0, -rng.choice([1.0, 0.5, -0.25])]

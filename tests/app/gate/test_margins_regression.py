@@ -1,7 +1,6 @@
 """The pytest fixture: as tests use it, in this process and in one of their own."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -225,34 +224,35 @@ def test_loop(margins_regression, name):
 """
 
 
-def run(folder: Path, margin: float, *options: str) -> tuple[int, str]:
-    """Run pytest on a test file in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-rN", "-W", "error", "-p", "no:xdist", *options],
-        cwd=folder,
-        env=os.environ | {"MARGIN": str(margin)},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    return done.returncode, done.stdout + done.stderr
+# Runs pytest once for each margin, after one import of everything.
+RUNS = """
+import os, sys, pytest
+for margin, *options in [["45"], ["45.00001"], ["44"], ["44", "--force-regen"], ["44"]]:
+    os.environ["MARGIN"] = margin
+    status = pytest.main(["-q", "-rN", "-W", "error", "-p", "no:xdist", *options])
+    print(f"ended with {int(status)}\\f", flush=True)
+"""
 
 
 def test_in_a_project_of_its_own(tmp_path):
     (tmp_path / "test_loop.py").write_text(TEST_FILE)
-    status, text = run(tmp_path, 45.0)
-    assert (status, text.count("created:")) == (1, 2), text
+    done = subprocess.run(
+        [sys.executable, "-c", RUNS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    made, near, far, again, kept = done.stdout.split("\f")[:-1]
+    ends = [text.splitlines()[-1][-1] for text in (made, near, far, again, kept)]
+    assert ends == ["1", "0", "1", "1", "0"], done.stdout + done.stderr
+    assert made.count("created:") == 2, made
+    assert far.count(">= ") + far.count(" worse") == 2, far
+    assert "pytest_regressions" not in far  # no frames but the test's own
+    assert again.count("regenerating") == 2, again
     files = {path.name for path in (tmp_path / "test_loop").iterdir()}
     assert files == {"test_loop_a_.json", "test_loop_b__1__.json"}
-    assert run(tmp_path, 45.00001)[0] == 0
-    status, text = run(tmp_path, 44.0)
-    assert (status, text.count(">= ") + text.count(" worse")) == (1, 2), text
-    assert "pytest_regressions" not in text  # no frames but the test's own
-    status, text = run(tmp_path, 44.0, "--force-regen")
-    assert (status, text.count("regenerating")) == (1, 2), text
-    assert run(tmp_path, 44.0)[0] == 0
-    assert {path.name for path in (tmp_path / "test_loop").iterdir()} == files
 
 
 def test_the_plugin_costs_other_projects_nothing():
