@@ -719,6 +719,24 @@ double jounce_jerk_distance(const jounce_family *f, const jounce_profile *profil
     return profile->cruise > 0.0 ? distance + f->task.v_max * profile->cruise : distance;
 }
 
+int jounce_jerk_lengths(const jounce_family *f, const jounce_profile *profile, double *lengths) {
+    const jounce_task *t = &f->task;
+    double p = profile->p, q = profile->q;
+    int count = 0;
+    lengths[count++] = (p - t->a0) / t->rise;
+    lengths[count++] = profile->hold;
+    if (profile->cruise == 0.0) {
+        lengths[count++] = (p - q) / t->fall;
+    } else {
+        lengths[count++] = p / t->fall;
+        lengths[count++] = profile->cruise;
+        lengths[count++] = -q / t->fall;
+    }
+    lengths[count++] = profile->dwell;
+    lengths[count++] = (t->a1 - q) / t->rise;
+    return count;
+}
+
 /* The first pieces are reckoned from the start, those after the fall from the end: rounding meets
  * in between. */
 void jounce_jerk_pieces(const jounce_family *f, const jounce_profile *profile, double start,
@@ -726,7 +744,9 @@ void jounce_jerk_pieces(const jounce_family *f, const jounce_profile *profile, d
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, hold = profile->hold, dwell = profile->dwell;
     double v = t->v0, x = start, w = t->v1, y = end, w_rear, y_rear;
-    jounce_add(motion, (p - t->a0) / t->rise, x, v, t->a0, t->rise);
+    double lengths[JOUNCE_MOST_LENGTHS], *last;
+    last = lengths + jounce_jerk_lengths(f, profile, lengths) - 1;
+    jounce_add(motion, lengths[0], x, v, t->a0, t->rise);
     x += ramp(&v, t->a0, p, t->rise);
     jounce_add(motion, hold, x, v, p, 0.0);
     x += (v + 0.5 * p * hold) * hold;
@@ -737,14 +757,14 @@ void jounce_jerk_pieces(const jounce_family *f, const jounce_profile *profile, d
     y -= (w - 0.5 * q * dwell) * dwell;
     w -= q * dwell;
     if (profile->cruise == 0.0) {
-        jounce_add(motion, (p - q) / t->fall, x, v, p, -t->fall);
+        jounce_add(motion, lengths[2], x, v, p, -t->fall);
     } else {
         double top = t->v_max, before = v, back = top;
-        jounce_add(motion, p / t->fall, x, v, p, -t->fall);
+        jounce_add(motion, lengths[2], x, v, p, -t->fall);
         x += ramp(&before, p, 0.0, -t->fall);
-        jounce_add(motion, profile->cruise, x, top, 0.0, 0.0);
-        jounce_add(motion, -q / t->fall, y - ramp(&back, 0.0, q, -t->fall), top, 0.0, -t->fall);
+        jounce_add(motion, lengths[3], x, top, 0.0, 0.0);
+        jounce_add(motion, lengths[4], y - ramp(&back, 0.0, q, -t->fall), top, 0.0, -t->fall);
     }
     jounce_add(motion, dwell, y, w, q, 0.0);
-    jounce_add(motion, (t->a1 - q) / t->rise, y_rear, w_rear, q, t->rise);
+    jounce_add(motion, *last, y_rear, w_rear, q, t->rise);
 }
