@@ -1017,11 +1017,17 @@ static jounce_state state_at(const double *row, int order) {
 /* Plan problem i. */
 typedef jounce_status (*Solver)(const Problems *p, Py_ssize_t i, jounce_motion *motion);
 
-static jounce_status solve_transfer(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
+static jounce_status solve(const Problems *p, Py_ssize_t i, jounce_motion *motion,
+                           int times_alone) {
     jounce_state start = state_at(p->starts + i * p->start_step, p->order);
     jounce_state end = state_at(p->ends + i * p->end_step, p->order);
     jounce_limits limits = limits_of(p->bounds + i * p->bounds_step, p->order);
-    return jounce_transfer(&start, &end, &limits, motion);
+    return times_alone ? jounce_transfer_times(&start, &end, &limits, motion)
+                       : jounce_transfer(&start, &end, &limits, motion);
+}
+
+static jounce_status solve_transfer(const Problems *p, Py_ssize_t i, jounce_motion *motion) {
+    return solve(p, i, motion, 0);
 }
 
 /* The order of problems, `least` to 3; 0 with an error set. */
@@ -1038,7 +1044,7 @@ static void solve_all(const Problems *p, double *durations, double *inside, sign
     jounce_motion motion;
     Py_ssize_t i;
     for (i = 0; i < p->count; i++) {
-        jounce_status status = solve_transfer(p, i, &motion);
+        jounce_status status = solve(p, i, &motion, 1);
         int ok = status == JOUNCE_OK;
         statuses[i] = (signed char)status;
         counts[i] = (signed char)(ok ? motion.count : 0);

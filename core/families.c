@@ -32,6 +32,11 @@ double jounce_distance_of(const jounce_family *f, const jounce_profile *profile)
     return jumps(f) ? jounce_speed_distance(f, profile) : jounce_jerk_distance(f, profile);
 }
 
+int jounce_lengths_of(const jounce_family *f, const jounce_profile *profile, double *lengths) {
+    return jumps(f) ? jounce_speed_lengths(f, profile, lengths)
+                    : jounce_jerk_lengths(f, profile, lengths);
+}
+
 void jounce_pieces_of(const jounce_family *f, const jounce_profile *profile, double start,
                       double end, jounce_motion *motion) {
     if (jumps(f)) {

@@ -912,35 +912,51 @@ double jounce_jerk_distance(const jounce_family *f, const jounce_profile *profil
     return profile->cruise > 0.0 ? distance + f->task.v_max * profile->cruise : distance;
 }
 
+int jounce_jerk_lengths(const jounce_family *f, const jounce_profile *profile, double *lengths) {
+    int count = 0;
+    lengths[count++] = profile->first * f->rise_time;
+    lengths[count++] = profile->hold;
+    if (profile->cruise > 0.0) {
+        lengths[count++] = profile->p * f->fall_time;
+        lengths[count++] = profile->cruise;
+        lengths[count++] = -profile->q * f->fall_time;
+    } else {
+        lengths[count++] = profile->fall * f->fall_time;
+    }
+    lengths[count++] = profile->dwell;
+    lengths[count++] = profile->last * f->rise_time;
+    return count;
+}
+
 /* The first pieces are reckoned from the start, those after the fall from the end: rounding meets
  * before the fall or after it. */
 void jounce_jerk_pieces(const jounce_family *f, const jounce_profile *profile, double start,
                         double end, jounce_motion *motion) {
     const jounce_task *t = &f->task;
     double p = profile->p, q = profile->q, hold = profile->hold, dwell = profile->dwell;
-    double rising = profile->first * f->rise_time, last = profile->last * f->rise_time;
-    double falling = profile->fall * f->fall_time, v = t->v0, x = start, w = t->v1, y = end;
+    double lengths[JOUNCE_MOST_LENGTHS], *last;
+    double v = t->v0, x = start, w = t->v1, y = end;
     Ends e = ends_of_fall(f, profile);
-    jounce_add(motion, rising, x, v, t->a0, t->rise);
-    x += ramp_in(&v, t->a0, p, rising);
+    last = lengths + jounce_jerk_lengths(f, profile, lengths) - 1;
+    jounce_add(motion, lengths[0], x, v, t->a0, t->rise);
+    x += ramp_in(&v, t->a0, p, lengths[0]);
     jounce_add(motion, hold, x, v, p, 0.0);
     x = start + e.x;
     y = end - e.y;
     if (profile->cruise > 0.0) {
         double top = t->v_max, before = e.v, back = top;
-        double from = p * f->fall_time, to = -q * f->fall_time;
-        jounce_add(motion, from, x, e.v, p, -t->fall);
-        x += ramp_in(&before, p, 0.0, from);
-        jounce_add(motion, profile->cruise, x, top, 0.0, 0.0);
-        jounce_add(motion, to, y - ramp_in(&back, 0.0, q, to), top, 0.0, -t->fall);
+        jounce_add(motion, lengths[2], x, e.v, p, -t->fall);
+        x += ramp_in(&before, p, 0.0, lengths[2]);
+        jounce_add(motion, lengths[3], x, top, 0.0, 0.0);
+        jounce_add(motion, lengths[4], y - ramp_in(&back, 0.0, q, lengths[4]), top, 0.0, -t->fall);
     } else if (e.fastest[1] < e.fastest[0]) {
         double before = e.w;
-        x = y + ramp_in(&before, q, p, -falling);
-        jounce_add(motion, falling, x, before, p, -t->fall);
+        x = y + ramp_in(&before, q, p, -lengths[2]);
+        jounce_add(motion, lengths[2], x, before, p, -t->fall);
     } else {
-        jounce_add(motion, falling, x, e.v, p, -t->fall);
+        jounce_add(motion, lengths[2], x, e.v, p, -t->fall);
     }
     jounce_add(motion, dwell, y, e.w, q, 0.0);
-    y = end + ramp_in(&w, t->a1, q, -last);
-    jounce_add(motion, last, y, w, q, t->rise);
+    y = end + ramp_in(&w, t->a1, q, -*last);
+    jounce_add(motion, *last, y, w, q, t->rise);
 }

@@ -61,6 +61,11 @@ typedef struct {
 jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end,
                               const jounce_limits *limits, jounce_motion *motion);
 
+/* Its duration, inside_after and number of pieces alone, to the bit, which cost less: the pieces and
+ * the end of `motion` are left open. */
+jounce_status jounce_transfer_times(const jounce_state *start, const jounce_state *end,
+                                    const jounce_limits *limits, jounce_motion *motion);
+
 /* The fastest change to velocity end->v and acceleration end->a, wherever that ends. */
 jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_state *end,
                                        const jounce_limits *limits, jounce_motion *motion);

@@ -187,53 +187,62 @@ static inline int moderate(double x) { return x == INFINITE || (x > 1e-60 && x <
 /* Which bounds a move meets where they are the same both ways. */
 enum { MEETS_BOTH, MEETS_ACCELERATION, MEETS_VELOCITY, MEETS_NEITHER, OTHER };
 
-static inline double push_of(double acceleration, double jerk) {
-    return is_finite(jerk) ? acceleration / jerk : 0.0;
+/* A move that is the same seen from its end: its bounds, and the times in which the jerk leads to
+ * the acceleration and the acceleration to the velocity. */
+typedef struct {
+    double distance, velocity, acceleration, jerk;
+    double push, hold;
+} Even;
+
+static inline Even even_of(double distance, double velocity, double acceleration, double jerk) {
+    Even m;
+    m.distance = distance;
+    m.velocity = velocity;
+    m.acceleration = acceleration;
+    m.jerk = jerk;
+    m.push = acceleration / jerk; /* zero without a bound of the jerk */
+    m.hold = velocity / acceleration;
+    return m;
 }
 
 /* Cubes must not leave the range. All is compared before anything is chosen: there is nothing for
  * the processor to guess. */
-static inline int form_of(double distance, double velocity, double acceleration, double jerk) {
-    double push = push_of(acceleration, jerk), hold = velocity / acceleration;
-    int cruises = distance >= velocity * (hold + push);
-    int holds = distance >= 2.0 * acceleration * push * push;
-    int peaks = distance * distance * jerk > 4.0 * velocity * velocity * velocity;
+static inline int form_of(const Even *m) {
+    int cruises = m->distance >= m->velocity * (m->hold + m->push);
+    int holds = m->distance >= 2.0 * m->acceleration * m->push * m->push;
+    int peaks =
+        m->distance * m->distance * m->jerk > 4.0 * m->velocity * m->velocity * m->velocity;
     int held = cruises ? MEETS_BOTH : holds ? MEETS_ACCELERATION : MEETS_NEITHER;
     int free = peaks ? MEETS_VELOCITY : MEETS_NEITHER;
-    return hold >= push ? held : free; /* whether the acceleration is reached before the velocity */
+    return m->hold >= m->push ? held : free; /* is the acceleration reached before the velocity? */
 }
 
-static inline double even_duration(int form, double distance, double velocity,
-                                   double acceleration, double jerk) {
-    double push;
+static inline double even_duration(int form, const Even *m) {
     switch (form) {
     case MEETS_BOTH:
-        return distance / velocity + velocity / acceleration + push_of(acceleration, jerk);
+        return m->distance / m->velocity + m->hold + m->push;
     case MEETS_ACCELERATION:
-        push = push_of(acceleration, jerk);
-        return push + square_root(push * push + 4.0 * distance / acceleration);
+        return m->push + square_root(m->push * m->push + 4.0 * m->distance / m->acceleration);
     case MEETS_VELOCITY:
-        return distance / velocity + 2.0 * square_root(velocity / jerk);
+        return m->distance / m->velocity + 2.0 * square_root(m->velocity / m->jerk);
     default:
-        return 4.0 * cube_root(0.5 * distance / jerk);
+        return 4.0 * cube_root(0.5 * m->distance / m->jerk);
     }
 }
 
-static inline int are_moderate(double distance, double velocity, double acceleration, double jerk) {
-    return (is_finite(acceleration) || is_finite(jerk)) && moderate(distance) &&
-           moderate(velocity) && moderate(acceleration) && moderate(jerk);
+static inline int has_formula(const Even *m) {
+    return (is_finite(m->acceleration) || is_finite(m->jerk)) && moderate(m->distance) &&
+           moderate(m->velocity) && moderate(m->acceleration) && moderate(m->jerk);
 }
 
 /* The duration of a move that is the same seen from its end, by a formula; 0 where there is none. */
 static double by_formula(double distance, const jounce_limits *l) {
-    int ahead = distance >= 0.0;
-    double velocity = ahead ? l->v_high : -l->v_low, size = magnitude(distance);
-    if (l->a_high != -l->a_low || l->j_high != -l->j_low ||
-        !are_moderate(size, velocity, l->a_high, l->j_high)) {
+    Even m = even_of(magnitude(distance), distance >= 0.0 ? l->v_high : -l->v_low, l->a_high,
+                     l->j_high);
+    if (l->a_high != -l->a_low || l->j_high != -l->j_low || !has_formula(&m)) {
         return 0.0;
     }
-    return even_duration(form_of(size, velocity, l->a_high, l->j_high), size, velocity, l->a_high,
-                         l->j_high);
+    return even_duration(form_of(&m), &m);
 }
 
 jounce_status jounce_move(double distance, const jounce_limits *limits, jounce_motion *motion) {
@@ -309,19 +318,17 @@ static void durations_of_some(const jounce_column *distances, const jounce_colum
     const jounce_column *j = c->order > 2 ? &c->upper[2] : &none;
     unsigned short lanes[OTHER + 1][BLOCK];
     size_t counts[OTHER + 1] = {0}, i, k;
+    Even moves[BLOCK];
     int form;
     for (k = 0; k < count; k++) {
-        double x = magnitude(at(distances, i = first + k));
-        form = c->even && are_moderate(x, at(v, i), at(a, i), at(j, i))
-                   ? form_of(x, at(v, i), at(a, i), at(j, i))
-                   : OTHER;
+        i = first + k;
+        moves[k] = even_of(magnitude(at(distances, i)), at(v, i), at(a, i), at(j, i));
+        form = c->even && has_formula(&moves[k]) ? form_of(&moves[k]) : OTHER;
         lanes[form][counts[form]++] = (unsigned short)k;
     }
     for (form = 0; form < OTHER; form++) {
         for (k = 0; k < counts[form]; k++) {
-            i = first + lanes[form][k];
-            durations[i] = even_duration(form, magnitude(at(distances, i)), at(v, i), at(a, i),
-                                         at(j, i));
+            durations[first + lanes[form][k]] = even_duration(form, &moves[lanes[form][k]]);
         }
     }
     for (k = 0; k < counts[OTHER]; k++) {

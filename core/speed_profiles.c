@@ -118,13 +118,24 @@ double jounce_speed_distance(const jounce_family *family, const jounce_profile *
     return travelled(&family->task, profile->q) + profile->q * profile->cruise;
 }
 
+int jounce_speed_lengths(const jounce_family *family, const jounce_profile *profile,
+                         double *lengths) {
+    const jounce_task *t = &family->task;
+    double least = least_of(t);
+    lengths[0] = (least - t->v0 + profile->p) / t->a_max;
+    lengths[1] = profile->cruise;
+    lengths[2] = (t->v1 - least - profile->p) / t->a_min;
+    return 3;
+}
+
 void jounce_speed_pieces(const jounce_family *family, const jounce_profile *profile, double start,
                          double end, jounce_motion *motion) {
     const jounce_task *t = &family->task;
-    double least = least_of(t), w = profile->q;
-    double up = (least - t->v0 + profile->p) / t->a_max;
-    double down = (t->v1 - least - profile->p) / t->a_min;
+    double w = profile->q, lengths[JOUNCE_MOST_LENGTHS], up, down;
+    jounce_speed_lengths(family, profile, lengths);
+    up = lengths[0];
+    down = lengths[2];
     jounce_add(motion, up, start, t->v0, t->a_max, 0.0);
-    jounce_add(motion, profile->cruise, start + 0.5 * (t->v0 + w) * up, w, 0.0, 0.0);
+    jounce_add(motion, lengths[1], start + 0.5 * (t->v0 + w) * up, w, 0.0, 0.0);
     jounce_add(motion, down, end - 0.5 * (w + t->v1) * down, w, t->a_min, 0.0);
 }

@@ -96,7 +96,7 @@ typedef struct {
     double first, fall, last; /* with bounded jerk: p - a0, p - q, a1 - q to their own last digits */
 } jounce_profile;
 
-enum { JOUNCE_MOST_PROFILES = 40 };
+enum { JOUNCE_MOST_PROFILES = 40, JOUNCE_MOST_LENGTHS = 7 };
 
 typedef struct {
     int count;
@@ -138,6 +138,8 @@ int jounce_jerk_shortest(const jounce_family *family, jounce_profile *best);
 int jounce_jerk_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_jerk_edges(const jounce_family *family, double *durations);
 double jounce_jerk_distance(const jounce_family *family, const jounce_profile *profile);
+int jounce_jerk_lengths(const jounce_family *family, const jounce_profile *profile,
+                        double *lengths);
 void jounce_jerk_pieces(const jounce_family *family, const jounce_profile *profile, double start,
                         double end, jounce_motion *motion);
 
@@ -146,6 +148,8 @@ void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found)
 int jounce_speed_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_speed_edges(const jounce_family *family, double *durations);
 double jounce_speed_distance(const jounce_family *family, const jounce_profile *profile);
+int jounce_speed_lengths(const jounce_family *family, const jounce_profile *profile,
+                         double *lengths);
 void jounce_speed_pieces(const jounce_family *family, const jounce_profile *profile, double start,
                          double end, jounce_motion *motion);
 
@@ -156,6 +160,8 @@ int jounce_shortest(const jounce_family *family, jounce_profile *best);
 int jounce_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_edges(const jounce_family *family, double *durations);
 double jounce_distance_of(const jounce_family *family, const jounce_profile *profile);
+/* The durations of its pieces, zeros among them; returns how many there are. */
+int jounce_lengths_of(const jounce_family *family, const jounce_profile *profile, double *lengths);
 void jounce_pieces_of(const jounce_family *family, const jounce_profile *profile, double start,
                       double end, jounce_motion *motion);
 

@@ -1,40 +1,51 @@
 /* Transfers: the fastest motion between two states, and the fastest change of velocity. */
 #include "task.h"
 
+/* The fastest profile of a task, or of the mirrored one. */
+typedef struct {
+    jounce_family families[2]; /* of the task and the mirrored one, as far as they were needed */
+    jounce_profile profile;
+    int turned;
+} Fastest;
+
 /* The quickest change from (v0, a0) to (v1, a1) covers a distance d. Where the durations of such
  * changes have no gap, which takes accelerations of one sign, the distances that can be covered
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
-int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
-    int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, side = 0, k;
-    jounce_family families[2];
-    jounce_profile profile, best = {0};
+static int find_fastest(const jounce_task *task, Fastest *fastest) {
+    int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, k;
+    jounce_profile profile;
     for (k = 0; k < 2; k++) {
-        turn = k == 0 ? down : !down;
+        jounce_family *family = &fastest->families[turn = k == 0 ? down : !down];
         if (turn) {
             jounce_task mirrored = jounce_mirrored(task);
-            jounce_make_family(&mirrored, &families[1]);
+            jounce_make_family(&mirrored, family);
         } else {
-            jounce_make_family(task, &families[0]);
+            jounce_make_family(task, family);
         }
-        if (jounce_shortest(&families[turn], &profile) &&
-            (!any || profile.duration < best.duration)) {
+        if (jounce_shortest(family, &profile) &&
+            (!any || profile.duration < fastest->profile.duration)) {
             any = 1;
-            side = turn;
-            best = profile;
+            fastest->turned = turn;
+            fastest->profile = profile;
         }
         if (any && task->a0 * task->a1 <= 0.0) {
             break;
         }
     }
-    if (!any) {
+    return any;
+}
+
+int jounce_fastest(const jounce_task *task, double start, double end, jounce_motion *motion) {
+    int first = motion->count;
+    Fastest fastest;
+    if (!find_fastest(task, &fastest)) {
         return 0;
     }
-    if (side) {
-        int first = motion->count;
-        jounce_pieces_of(&families[1], &best, -start, -end, motion);
+    if (fastest.turned) {
+        jounce_pieces_of(&fastest.families[1], &fastest.profile, -start, -end, motion);
         jounce_turn(motion, first);
     } else {
-        jounce_pieces_of(&families[0], &best, start, end, motion);
+        jounce_pieces_of(&fastest.families[0], &fastest.profile, start, end, motion);
     }
     return 1;
 }
@@ -172,6 +183,22 @@ jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end
     return jounce_approach(start, end, limits, jounce_size_of_positions(start, end), motion);
 }
 
+/* Plan a problem whose start has been brought inside. */
+static jounce_status plan_from_inside(const jounce_problem *p, const jounce_state *end,
+                                      const jounce_limits *limits, jounce_motion *motion) {
+    jounce_clear(motion);
+    if (p->way.count > 0 && starts_within(&p->whole)) { /* it leaves its bounds later, or never */
+        if (jounce_fastest(&p->whole, p->start, p->goal, motion)) {
+            return jounce_finish(p, end, limits, motion);
+        }
+    }
+    jounce_begin_with(&p->way, motion);
+    if (!jounce_fastest(&p->task, p->position, p->goal, motion)) {
+        return JOUNCE_UNREACHABLE;
+    }
+    return jounce_finish(p, end, limits, motion);
+}
+
 jounce_status jounce_approach(const jounce_state *start, const jounce_state *end,
                               const jounce_limits *limits, double size, jounce_motion *motion) {
     jounce_problem p;
@@ -180,17 +207,45 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
         return p.status;
     }
     jounce_start_inside(&p);
+    return plan_from_inside(&p, end, limits, motion);
+}
+
+/* --- times alone -------------------------------------------------------------------------------- */
+
+/* Whether nothing leaves the range of a double in the caller's units, whatever the plan. */
+static int is_ordinary(const jounce_problem *p) {
+    int t = p->units.time, x = p->units.length;
+    return t > -64 && t < 64 && x > -64 && x < 64 && p->offset == 0.0 &&
+           larger(magnitude(p->start), magnitude(p->goal)) < 1e200;
+}
+
+/* The same sums as of whole pieces. */
+static jounce_status add_up(const jounce_problem *p, const Fastest *fastest,
+                            jounce_motion *motion) {
+    double lengths[JOUNCE_MOST_LENGTHS], unit = power_of_two(p->units.time);
+    int i, n = jounce_lengths_of(&fastest->families[fastest->turned], &fastest->profile, lengths);
     jounce_clear(motion);
-    if (p.way.count > 0 && starts_within(&p.whole)) { /* it leaves its bounds later, or never */
-        if (jounce_fastest(&p.whole, p.start, p.goal, motion)) {
-            return jounce_finish(&p, end, limits, motion);
-        }
+    for (i = 0; i < n; i++) {
+        double length = larger(0.0, lengths[i] * unit);
+        motion->duration += length;
+        motion->count += length > 0.0;
     }
-    jounce_begin_with(&p.way, motion);
-    if (!jounce_fastest(&p.task, p.position, p.goal, motion)) {
-        return JOUNCE_UNREACHABLE;
+    return is_finite(motion->duration) ? JOUNCE_OK : JOUNCE_RANGE;
+}
+
+jounce_status jounce_transfer_times(const jounce_state *start, const jounce_state *end,
+                                    const jounce_limits *limits, jounce_motion *motion) {
+    Fastest fastest;
+    jounce_problem p;
+    jounce_pose(start, end, limits, jounce_size_of_positions(start, end), 0.0, &p);
+    if (p.status != JOUNCE_OK) {
+        return p.status;
     }
-    return jounce_finish(&p, end, limits, motion);
+    jounce_start_inside(&p);
+    if (p.way.count > 0 || !is_ordinary(&p)) {
+        return plan_from_inside(&p, end, limits, motion);
+    }
+    return find_fastest(&p.task, &fastest) ? add_up(&p, &fastest, motion) : JOUNCE_UNREACHABLE;
 }
 
 jounce_status jounce_velocity_transfer(const jounce_state *start, const jounce_state *end,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, overload
+from typing import Any, NamedTuple, Protocol, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from .. import core
 from .batches.lanes import in_threads
 from .checks import positive
 from .derivatives import derivative_number
-from .frozen import Frozen
+from .frozen import Frozen, read_only
 from .limits import Limits
 from .pieces import MAX_SAMPLES, FloatArray, extrema
 from .real_numbers import real_array
@@ -21,8 +21,14 @@ from .trajectory import Motion
 _NUMBERS = 2**17  # in the pieces and values worked out at a time, which stay in the cache
 
 
-class Pieces(NamedTuple):
-    """Pieces of N motions, as `Trajectory` has them.
+class _Arrays(NamedTuple):
+    breaks: FloatArray
+    durations: FloatArray
+    states: FloatArray
+
+
+class Pieces(_Arrays):
+    """Pieces of N motions, as `Trajectory` has them, read-only; equal where all numbers are.
 
     breaks : (N, m + 1) array
         Times between the pieces; the last one is the duration.
@@ -32,9 +38,23 @@ class Pieces(NamedTuple):
         Position and derivatives at the start of each piece.
     """
 
-    breaks: FloatArray
-    durations: FloatArray
-    states: FloatArray
+    __slots__ = ()
+
+    def __new__(cls, breaks: FloatArray, durations: FloatArray, states: FloatArray) -> Self:
+        """Look at the arrays through read-only views, without a copy."""
+        return super().__new__(cls, *map(read_only, (breaks, durations, states)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Pieces):
+            return False  # a tuple would compare array by array
+        pairs = zip(self, other, strict=True)
+        return all(np.array_equal(own, its, equal_nan=True) for own, its in pairs)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(tuple(array.shape for array in self))
 
 
 class Problems(Protocol):

@@ -27,21 +27,22 @@ class Frozen:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over fields, all read-only."""
-        vars(self).update({name: _read_only(value) for name, value in state.items()})
+        vars(self).update({name: read_only(value) for name, value in state.items()})
 
 
 def _names(noun: Any) -> list[str]:
     return [field.name for field in fields(noun)]
 
 
-def _read_only(value: Any) -> Any:
+def read_only(value: Any) -> Any:
+    """Return read-only views of arrays, in tuples and mappings too, and anything else as it is."""
     if isinstance(value, np.ndarray):
         view = value.view()
         view.flags.writeable = False
         return view
     if isinstance(value, dict | MappingProxyType):
-        return MappingProxyType(_each(_read_only, value))
-    return _each(_read_only, value)
+        return MappingProxyType(_each(read_only, value))
+    return _each(read_only, value)
 
 
 def _plain(value: Any) -> Any:

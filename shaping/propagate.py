@@ -150,7 +150,7 @@ def propagate(
     return out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Pieces:
     """The trajectory's pieces in units of dt, the coasting after its end included."""
 

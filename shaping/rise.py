@@ -19,7 +19,7 @@ from .pieces import MAX_ORDER, FloatArray, RealArray, integral
 from .trajectory import Trajectory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rise:
     """A motion of one derivative from 0 to `peak` in time `span`, at rest at both ends.
 

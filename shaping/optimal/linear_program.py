@@ -31,7 +31,7 @@ _OTHER_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
 """Tried one after the other where the dual simplex method ends without an answer."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Inputs (N,), the value reached, and what each row's bound is worth (its multiplier)."""
 

@@ -306,17 +306,36 @@ static int check(const Problem *p, const jounce_motion *m, int to_position) {
 
 /* --- the calls ------------------------------------------------------------------------------------- */
 
+/* Times alone are those of the whole plan, to the bit. */
+static int check_times(const Problem *p, jounce_status status, const jounce_motion *m) {
+    jounce_motion times;
+    jounce_status found = jounce_transfer_times(&p->start, &p->end, &p->limits, &times);
+    if (found != status) {
+        return fail("status of times alone", found, status);
+    }
+    if (status != JOUNCE_OK) {
+        return 0;
+    }
+    return (times.duration == m->duration ? 0 : fail("times", times.duration, m->duration)) ||
+           (times.inside_after == m->inside_after ? 0 : fail("inside", times.inside_after,
+                                                             m->inside_after)) ||
+           (times.count == m->count ? 0 : fail("number of pieces", times.count, m->count));
+}
+
 static int transfers(Problem p) {
     jounce_durations found;
     jounce_motion motion;
+    jounce_status status;
     char duration[40];
     int bad = 0;
     p.end.v = inside(p.end.v, p.limits.v_low, p.limits.v_high);
     p.end.a = inside(p.end.a, p.limits.a_low, p.limits.a_high);
     describe("transfer", &p, "");
-    if (jounce_transfer(&p.start, &p.end, &p.limits, &motion) == JOUNCE_OK) {
+    status = jounce_transfer(&p.start, &p.end, &p.limits, &motion);
+    if (status == JOUNCE_OK) {
         bad = check(&p, &motion, 1);
     }
+    bad += check_times(&p, status, &motion);
     describe("velocity_transfer", &p, "");
     if (jounce_velocity_transfer(&p.start, &p.end, &p.limits, &motion) == JOUNCE_OK) {
         bad += check(&p, &motion, 0);

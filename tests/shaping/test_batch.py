@@ -1,5 +1,7 @@
 """MotionBatch: pieces, motions one by one, values at common and own times, peaks."""
 
+import copy
+import pickle
 import re
 
 import numpy as np
@@ -8,7 +10,7 @@ from hypothesis import given
 from move_batches import as_trajectory, move_lists, random_moves, together
 from references import BOUND, CONTINUITY, END_POSITION, joint_gaps
 
-from jounce.shaping import Limits, MotionBatch, Trajectory, min_time_moves
+from jounce.shaping import Limits, MotionBatch, Trajectory, min_time_moves, min_time_transfers
 from jounce.shaping import batch as module
 
 ORDERS = pytest.mark.parametrize("order", range(1, 7))
@@ -120,6 +122,31 @@ def test_grids_of_moves():
     times, states = grid.sample(0.1)
     assert states.shape == (4, 3, 2, len(times))
     assert_close(states[:, 2, 1], alone, times, "grid")
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        copy.copy,
+        copy.deepcopy,
+        lambda pieces: pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(pieces)))),
+    ],
+)
+def test_pieces_are_read_only_and_equal_by_their_numbers(again):
+    """NaN included, where there is no motion."""
+    states = [[0.0, 0.5, 0.1], [0.0, 0.0, 0.0]], [[1.0, 0.2, 0.0], [1.0, -1.99, 2.9]]
+    batch = min_time_transfers(*states, LIMITS)
+    assert np.count_nonzero(np.isnan(batch.duration)) == 1
+    pieces, other = again(batch.pieces()), min_time_transfers(*states, Limits(2.0, 3.0, 8.1))
+    assert pieces == batch.pieces()
+    assert (pieces != batch.pieces()) is False
+    assert hash(pieces) == hash(batch.pieces())
+    assert pieces != other.pieces()
+    assert pieces != batch[:1].pieces()
+    assert pieces != tuple(array.tolist() for array in pieces)
+    for array in pieces:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
 
 
 def test_the_arrays_are_read_only():

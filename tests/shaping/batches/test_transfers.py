@@ -62,6 +62,22 @@ def test_one_by_one_they_take_as_long(order, seed):
     np.testing.assert_array_equal(batch.feasible, ~infeasible)
 
 
+@ORDERS
+@pytest.mark.parametrize("factor", [1e-250, 1.0, 1e30, 1e250])
+def test_durations_are_those_of_whole_plans_to_the_bit(order, factor):
+    """Where pieces are worked out only when asked for, and where they are at once."""
+    rng = np.random.default_rng(order)
+    states = rng.normal(0.0, [1.0, 0.5, 0.7][:order], (2, 200, order)) * factor
+    limits = Limits.from_bounds([factor, (-factor, 1.5 * factor), 3.0 * factor][:order])
+    batch = min_time_transfers(*states, limits)
+    for i in np.flatnonzero(batch.feasible).tolist():
+        alone = min_time_transfer(*states[:, i].tolist(), limits)
+        assert batch.duration[i] == alone.duration
+        assert batch.inside_after[i] == alone.inside_after
+        assert np.count_nonzero(batch[i : i + 1].pieces().durations) == len(alone.durations)
+    assert 20 < np.count_nonzero(batch.feasible) <= 200
+
+
 @given(problem=transfer_problems())
 def test_a_problem_alone(problem):
     bounds = [pair or (-inf, inf) for pair in problem.bounds]
