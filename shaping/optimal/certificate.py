@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, ldexp
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from .bound_search import BoundSearch
 from .half_problem import HalfProblem
 from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
+from .own_units import of_order_one
 from .smoothing import lower_order, relative_width, truncated
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
@@ -117,19 +118,20 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     [-0.375, -0.125, -0.125]
     """
     rtol = positive("rtol", rtol)
-    move, limits = as_trajectory(trajectory), of_one(limits)
+    given = as_trajectory(trajectory)
+    move, limits, time = of_order_one(given, of_one(limits))
     _check(move, limits)
     distance = float(move.end_state[0] - move.start_state[0])
     if distance < 0.0:
         move, limits = move.mirror(), limits.mirror()
     if distance == 0.0:
         gap = inf if move.duration > 0.0 else 0.0
-        return Certificate(move.duration, 0.0, gap, (0.0,) * limits.order, rtol)
+        return Certificate(given.duration, 0.0, gap, (0.0,) * limits.order, rtol)
     lower, terms = in_range(lambda: _bounds(move, abs(distance), limits, rtol))
     if not lower > 0.0:
-        return Certificate(move.duration, 0.0, inf, (0.0,) * limits.order, rtol)
+        return Certificate(given.duration, 0.0, inf, (0.0,) * limits.order, rtol)
     gap = max(move.duration / lower - 1.0, 0.0)
-    return Certificate(move.duration, lower, gap, _sensitivities(terms, limits), rtol)
+    return Certificate(given.duration, ldexp(lower, time), gap, _sensitivities(terms, limits), rtol)
 
 
 def _check(trajectory: Trajectory, limits: Limits) -> None:
