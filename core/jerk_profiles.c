@@ -199,11 +199,13 @@ static jounce_peak meets(const jounce_family *f, const jounce_view *t, double p,
     jounce_peak q = {0.0, 0.0};
     if (square > noise) {
         q.size = square_root(square * f->per_kappa);
-        square = rising + (p - size) * (p + size) * f->half_fall - t->gain;
-        q.beyond = square * f->per_kappa / (q.size + size);
     } else {
         q.size = square < -noise ? none : 0.0;
-        q.beyond = q.size - size;
+    }
+    q.beyond = q.size - size;
+    if (t->uneven && size > 0.0 && square > noise) {
+        square = rising + (p - size) * (p + size) * f->half_fall - t->gain;
+        q.beyond = square * f->per_kappa / (q.size + size);
     }
     return q;
 }
@@ -300,16 +302,17 @@ static inline jounce_profile from_q(const jounce_family *f, const jounce_view *t
         return profile;
     }
     p = square_root(larger(t->ratio + q * q, 0.0));
-    if (a0 > 0.0) {
+    if (a0 > 0.0 && t->uneven) {
         left = t->gain - profile.last * (q + t->a1) * f->half_rise;
         left += (origin - a0 + s) * (q + a0) * f->half_fall;
         profile.first = larger(left * f->per_kappa / (p + a0), 0.0);
         p = a0 + profile.first;
     } else {
+        p = larger(p, a0);
         profile.first = p - a0;
     }
     profile.p = p;
-    if (q <= 0.0) {
+    if (q <= 0.0 || !t->uneven) {
         profile.fall = p - q;
     } else if (f->fall_time > f->rise_time) {
         profile.fall = t->ratio / (p + q);
