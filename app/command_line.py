@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,6 +16,7 @@ from .export_commands import export_app
 from .fmu_commands import fmu_app
 from .frf_command import frf_command
 from .printing import message_of, print_parts
+from .usage import USAGE_ERRORS, unknown_option, usage_message
 
 if TYPE_CHECKING:
     from ..shaping.moves import Method
@@ -45,7 +45,14 @@ def main() -> None:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _warn
-            app()
+            raise SystemExit(app(prog_name="jounce", standalone_mode=False))
+    except USAGE_ERRORS as error:
+        told = usage_message(error)
+        if told:
+            print(f"jounce: {told}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+    except typer.Abort:
+        raise SystemExit(CHECK_FAILED) from None
     except UnstableLoopError as error:
         _fail(error, CHECK_FAILED)
     except (ValueError, OSError) as error:
@@ -180,7 +187,7 @@ def plan_command(
     from .plan_report import certificate_table, plan_tables
     from .plan_s_curve import SCurveText, plan_s_curve
 
-    _refuse_extra([distance or "", *context.args])
+    _refuse_extra([distance or "", *context.args], context)
     rates = SCurveText(
         velocity, acceleration, deceleration, jerk, deceleration_jerk, jerk_percent, percent_keeps
     )
@@ -209,14 +216,11 @@ def plan_command(
             print_parts(f"Wrote {path}")
 
 
-def _refuse_extra(words: list[str]) -> None:
+def _refuse_extra(words: list[str], context: typer.Context) -> None:
     """Refuse all words but the first, and the first where it is a misspelt option."""
     unknown = next((word for word in words if word.startswith("--")), None)
     if unknown is not None:
-        known = [f"--{name.replace('_', '-')}" for name in plan_command.__annotations__]
-        near = get_close_matches(unknown, known, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise ValueError(f"unknown option {unknown}: {hint}See jounce plan --help")
+        raise ValueError(unknown_option(unknown, context))
     if len(words) > 1:
         raise ValueError(
             f"unexpected {words[1]!r} behind the distance {words[0]!r}: write each quantity in "

@@ -95,6 +95,13 @@ def plan_s_curve(
 def _numbers(rates: SCurveText, motion: Motion) -> dict[str, float]:
     """Return the rates that are given, in SI units."""
     given = {field.name: getattr(rates, field.name) for field in fields(rates)}
+    for name in _DERIVATIVES:
+        if "," in (given[name] or ""):
+            raise UnitError(
+                f"--{name.replace('_', '-')} {show(given[name])}: an S-curve takes one positive "
+                "number for each rate; write the one of slowing down behind --deceleration or "
+                "--deceleration-jerk"
+            )
     return {
         name: quantity(name.replace("_", " "), given[name], motion_kind(motion, k, positive=True))
         for name, k in _DERIVATIVES.items()

@@ -79,10 +79,11 @@ static void view_both_ways(jounce_family *f) {
     const jounce_task *t = &f->task;
     jounce_peak p = to_cruise(f, t->v0, t->a0), q = to_cruise(f, t->v1, -t->a1);
     int may_dip = may_rise_to(f, t->v1, t->a1), may_rise = may_rise_to(f, t->v0, -t->a0);
-    jounce_view ahead = {t->a0, t->a1, t->v1 - t->v0, t->v1, f->ratio, t->a_max, t->a_min,
-                         p,     q,     may_rise,      may_dip};
-    jounce_view back = {-t->a1, -t->a0, t->v0 - t->v1, t->v0,   -f->ratio, -t->a_min, -t->a_max,
-                        q,      p,      may_dip,       may_rise};
+    int uneven = larger(t->rise, t->fall) > 64.0 * smaller(t->rise, t->fall);
+    jounce_view ahead = {t->a0, t->a1, t->v1 - t->v0, t->v1,   f->ratio, t->a_max, t->a_min,
+                         p,     q,     may_rise,      may_dip, uneven};
+    jounce_view back = {-t->a1, -t->a0, t->v0 - t->v1, t->v0,    -f->ratio, -t->a_min, -t->a_max,
+                        q,      p,      may_dip,       may_rise, uneven};
     f->ahead = ahead;
     f->back = back;
 }
@@ -150,8 +151,8 @@ static void add_arc(Arcs *arcs, int kind, double origin, double first, double la
 }
 
 /* Add the arc of falling q between two places, each part counted from where its digits are. */
-static void add_between(double a1, int kind, Place first, Place last, Arcs *arcs) {
-    double half = 0.5 * a1;
+static void add_between(const jounce_view *t, int kind, Place first, Place last, Arcs *arcs) {
+    double a1 = t->a1, half = t->uneven ? 0.5 * a1 : INFINITE;
     if (is_above(last, first)) {
         return;
     }
@@ -180,12 +181,12 @@ static void add_in_q(const jounce_view *t, int kind, Place start, jounce_peak le
     }
     if (!is_above(end, start)) {
         if (end.value == 0.0 && bottom.value < 0.0) {
-            add_between(a1, kind, start, bottom, arcs);
+            add_between(t, kind, start, bottom, arcs);
             return;
         }
-        add_between(a1, kind, start, end, arcs);
+        add_between(t, kind, start, end, arcs);
     }
-    add_between(a1, kind, lower_of(located(a1, 0.0), below_zero(least, a1)), bottom, arcs);
+    add_between(t, kind, lower_of(located(a1, 0.0), below_zero(least, a1)), bottom, arcs);
 }
 
 /* The size of q, and how far it is beyond that of a1, where the profile without holds has a peak p;
@@ -198,11 +199,13 @@ static jounce_peak meets(const jounce_family *f, const jounce_view *t, double p,
     jounce_peak q = {0.0, 0.0};
     if (square > noise) {
         q.size = square_root(square * f->per_kappa);
-        square = rising + (p - size) * (p + size) * f->half_fall - t->gain;
-        q.beyond = square * f->per_kappa / (q.size + size);
     } else {
         q.size = square < -noise ? none : 0.0;
-        q.beyond = q.size - size;
+    }
+    q.beyond = q.size - size;
+    if (t->uneven && size > 0.0 && square > noise) {
+        square = rising + (p - size) * (p + size) * f->half_fall - t->gain;
+        q.beyond = square * f->per_kappa / (q.size + size);
     }
     return q;
 }
@@ -299,16 +302,17 @@ static inline jounce_profile from_q(const jounce_family *f, const jounce_view *t
         return profile;
     }
     p = square_root(larger(t->ratio + q * q, 0.0));
-    if (a0 > 0.0) {
+    if (a0 > 0.0 && t->uneven) {
         left = t->gain - profile.last * (q + t->a1) * f->half_rise;
         left += (origin - a0 + s) * (q + a0) * f->half_fall;
         profile.first = larger(left * f->per_kappa / (p + a0), 0.0);
         p = a0 + profile.first;
     } else {
+        p = larger(p, a0);
         profile.first = p - a0;
     }
     profile.p = p;
-    if (q <= 0.0) {
+    if (q <= 0.0 || !t->uneven) {
         profile.fall = p - q;
     } else if (f->fall_time > f->rise_time) {
         profile.fall = t->ratio / (p + q);
@@ -520,15 +524,28 @@ static inline double quadratic_step(double step, double error, double slope, dou
 /* Take what the distance errs from the time at a bound so small that the velocity does not feel it:
  * the parameter is coarser than such a time. */
 static jounce_profile with_time_mended(const jounce_family *f, jounce_profile profile) {
-    double error = travel(f, &profile).distance - f->task.distance;
-    Ends e = ends_of_fall(f, &profile);
-    double time = profile.fall * f->fall_time;
-    int rear = e.fastest[1] < e.fastest[0];
-    double hold = -error / (rear ? e.v : e.v + profile.p * time);
-    double dwell = -error / (rear ? e.w - profile.q * time : e.w);
-    double gained = magnitude(profile.p * hold), lost = magnitude(profile.q * dwell);
-    int is_hold = profile.hold > 0.0 && !(profile.dwell > 0.0 && lost < gained);
-    double change = is_hold ? hold : dwell, most = is_hold ? profile.hold : profile.dwell;
+    double error, time, hold, dwell, gained, lost, change, most;
+    int rear, is_hold;
+    Travel there;
+    Ends e;
+    if (profile.hold + profile.dwell == 0.0) {
+        return profile;
+    }
+    there = travel(f, &profile);
+    error = there.distance - f->task.distance;
+    if (magnitude(error) <= EPSILON * there.scale && !f->ahead.uneven) {
+        return profile;
+    }
+    e = ends_of_fall(f, &profile);
+    time = profile.fall * f->fall_time;
+    rear = e.fastest[1] < e.fastest[0];
+    hold = -error / (rear ? e.v : e.v + profile.p * time);
+    dwell = -error / (rear ? e.w - profile.q * time : e.w);
+    gained = magnitude(profile.p * hold);
+    lost = magnitude(profile.q * dwell);
+    is_hold = profile.hold > 0.0 && !(profile.dwell > 0.0 && lost < gained);
+    change = is_hold ? hold : dwell;
+    most = is_hold ? profile.hold : profile.dwell;
     if (!((is_hold ? gained : lost) <= 4.0 * EPSILON * larger(e.fastest[0], e.fastest[1])) ||
         most <= magnitude(change)) {
         return profile;

@@ -116,6 +116,7 @@ typedef struct {
     double top, bottom;      /* bounds of p and q */
     jounce_peak p_cruise, q_cruise;
     int may_rise, may_dip; /* p above zero, and q below it */
+    int uneven;            /* the jerks differ so much that digits count */
 } jounce_view;
 
 /* What depends on the task alone. */

@@ -8,6 +8,7 @@ from ..checks import positive
 from ..limits import Limits, of_one
 from ..pieces import extrema
 from ..trajectory import Motion, as_trajectory
+from .own_units import of_order_one
 
 BINDING_RTOL = 1e-3
 """How near to its bound, relative, a derivative counts as at it."""
@@ -48,7 +49,7 @@ def binding_limits(
     >>> binding_limits(min_time_move(1.0, limits), limits)
     ((3,), (2,), (3,), (1,), (3,), (2,), (3,))
     """
-    trajectory, limits = as_trajectory(trajectory), of_one(limits)
+    trajectory, limits, _ = of_order_one(as_trajectory(trajectory), of_one(limits))
     rtol = positive("rtol", rtol)
     if rtol >= 1.0:
         raise ValueError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, ldexp
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from .bound_search import BoundSearch
 from .half_problem import HalfProblem
 from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
+from .own_units import of_order_one
 from .proof import Proof
 from .proof_check import holds
 from .smoothing import even_are_symmetric, lower_order, relative_width, truncated
@@ -186,18 +187,19 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     return in_range(lambda: _by_whole(move, limits, rtol, rests))
 
 
-def _by_half(move: Trajectory, limits: Limits, rtol: float) -> Certificate:
+def _by_half(given: Trajectory, limits: Limits, rtol: float) -> Certificate:
+    move, limits, time = of_order_one(given, limits)
     distance = float(move.end_state[0] - move.start_state[0])
     if distance < 0.0:
         move, limits = move.mirror(), limits.mirror()
     if distance == 0.0:
         gap = inf if move.duration > 0.0 else 0.0
-        return Certificate(move.duration, 0.0, gap, (0.0,) * limits.order, rtol)
+        return Certificate(given.duration, 0.0, gap, (0.0,) * limits.order, rtol)
     lower, terms = in_range(lambda: _bounds(move, abs(distance), limits, rtol))
     if not lower > 0.0:
-        return Certificate(move.duration, 0.0, inf, (0.0,) * limits.order, rtol)
+        return Certificate(given.duration, 0.0, inf, (0.0,) * limits.order, rtol)
     gap = max(move.duration / lower - 1.0, 0.0)
-    return Certificate(move.duration, lower, gap, _sensitivities(terms, limits), rtol)
+    return Certificate(given.duration, ldexp(lower, time), gap, _sensitivities(terms, limits), rtol)
 
 
 def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Certificate:

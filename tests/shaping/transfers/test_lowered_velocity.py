@@ -74,8 +74,6 @@ def test_it_never_turns_round_and_takes_the_least_time(part):
             levelled += 1
             continue
         near += 1
-        if seed % 2:  # with one set of rates it brakes as hard as it may, which takes longer
-            continue
         # too near: no slower than by the highest of many lower velocities that leads no further
         lower = [by_way_of(low, state, rates) for low in np.linspace(0.0, bound, 400)]
         ways = [(left - way[0]) / low + way[1] for low, way in

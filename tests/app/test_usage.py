@@ -1,0 +1,56 @@
+"""A command line that does not fit is refused in one line, with exit status 2."""
+
+import pytest
+
+GOOD = "examples/telescope.toml"
+DECEL = ("--velocity", "1 m/s", "--jerk", "1 m/s^3", "--decel", "1 m/s^2")
+
+REFUSED = {
+    ("survey", GOOD): ["--output", "jounce survey --help"],
+    ("survey",): ["scenario"],
+    ("survey", GOOD, "--output"): ["--output", "requires an argument"],
+    ("survey", GOOD, "--out", "x"): ["unknown option --out", "--output?"],
+    ("survey", GOOD, "-x"): ["-x"],
+    ("export", "c", GOOD, "--block", "shaper"): ["--output", "jounce export c --help"],
+    ("export", "c", GOOD, "--output", "x"): ["--block"],
+    ("export", "c", GOOD, "--output", "x", "--block", "no"): ["'no'", "'shaper'", "'servo'"],
+    ("plan", "--acc", "1 m/s^2"): ["--acc:", "--acceleration?"],
+    ("plan", "1 m", "--velo=1 m/s"): ["--velo:", "--velocity?"],
+    ("plan", "1 m", "--dec", "1 m/s^2"): ["--dec:", "--deceleration?"],
+    ("plan", "1 m", "--jrek", "1 m/s^3"): ["--jrek:", "--jerk?"],
+    ("plan", "1 m", "--zzz", "1"): ["unknown option --zzz: See jounce plan --help"],
+    ("plan", "1 m", "--", "--velocity", "1 m/s"): ["--velocity behind --", "before --"],
+    ("plan", "1 m", "--order", "x"): ["--order"],
+    ("plan", "1 m", "--acceleration", "-1 m/s^2, 2 m/s^2", *DECEL): [
+        "--acceleration '-1 m/s^2, 2 m/s^2'", "--deceleration",
+    ],
+    ("schema", "--format", "x"): ["--format"],
+    ("schema", "--format", "7"): ["7"],
+    ("check",): ["scenario"],
+    ("nonsense",): ["'nonsense'", "jounce --help"],
+    ("--versoin",): ["--versoin", "--version?"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", REFUSED, ids=" ".join)
+def test_one_line_says_what_is_wrong(run, words):
+    status, out, errors = run(*words)
+    assert (status, out, len(errors)) == (2, "", 1)
+    assert errors[0].startswith("jounce: ")
+    assert not any(part in errors[0] for part in ("Value error", "--csv", "Traceback"))
+    for part in REFUSED[words]:
+        assert part in errors[0]
+
+
+@pytest.mark.parametrize("words", [(), ("fmu",), ("export",)], ids=str)
+def test_no_command_prints_the_help_alone(run, words):
+    status, out, errors = run(*words)
+    assert (status, errors) == (2, [])
+    assert "Usage" in out
+
+
+@pytest.mark.parametrize("word", ["--help", "--version"])
+def test_what_is_asked_for_is_no_error(run, word):
+    status, out, errors = run(word)
+    assert (status, errors) == (0, [])
+    assert out
