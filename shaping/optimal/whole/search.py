@@ -37,7 +37,7 @@ from .restriction import MARGIN, hull_rows
 from .sampled import Sampled, are_near, first_sizes
 
 _CELLS = 16
-_MOST_CELLS = 150
+_MOST_CELLS = 180
 _ROUNDS = 14
 _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
@@ -47,7 +47,6 @@ _NEAR = 0.25  # of the range: rows that a program starts with
 _DOUBTFUL = 1  # rounds without a motion before start and end are looked at
 _TOO_LONG = 1e4  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
-_IMPATIENT = 7  # rounds with any: where a bound is held from start to end there is no room
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
 _COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
 
@@ -121,7 +120,8 @@ class Search:
             return
         coarse = merged_parts(maps, parts, n)
         margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
-        margin = 0.0 if self.rounds >= _IMPATIENT else margin
+        if problem.may_hold and self.rounds == 0:
+            margin = 0.0  # a bound that is held from start to end leaves no room
         rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
         near = self._near(rows, self.nodes)
         program = Elastic(problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin)
