@@ -38,6 +38,12 @@ class Rows:
     derivative: NDArray[np.intp]
     margin: FloatArray
 
+    def twice(self) -> Rows:
+        """Return every row twice, the second after all of the first."""
+        both = np.concatenate([self.derivative, self.derivative])
+        margins = np.concatenate([self.margin, self.margin])
+        return Rows(np.vstack([self.matrix, self.matrix]), both, margins)
+
 
 @dataclass(frozen=True, eq=False)
 class Found:
@@ -82,6 +88,10 @@ class Elastic:
         shrink: float = 0.0,
     ) -> None:
         n = problem.order
+        self._way = np.zeros(len(rows.derivative))
+        if free:  # one row for each side, as both give way to the inside
+            self._way = np.repeat([1.0, -1.0], len(rows.derivative))
+            rows, near = rows.twice(), np.concatenate([near, near])
         self.problem, self.sizes, self.rows = problem, sizes, rows
         self.shrink = 1.0 - shrink
         fixed = [] if free else list(range(n))
@@ -92,9 +102,10 @@ class Elastic:
         count = stacked.shape[1] - n
         self._given = -stacked[:, count:] * problem.start * self._scale[:, None]
         inputs = stacked[:, :count] * (sizes[n] * self._scale)[:, None]
-        path = np.ones((len(rows.derivative), 1))
-        held = np.vstack([np.eye(n)[fixed], np.zeros((len(path), n))])
-        slack = np.vstack([np.zeros((len(fixed), 1)), path])
+        held = np.vstack([np.eye(n)[fixed], np.zeros((len(rows.derivative), n))])
+        slack = np.concatenate([np.zeros(len(fixed)), np.where(self._way < 0.0, -1.0, 1.0)])[
+            :, None
+        ]
         weights = np.full(n, _WEIGHT)
         weights[0] = 1.0
         costs = [*weights, *weights, *[1.0 if free else _BROKEN] * 2]
@@ -115,6 +126,8 @@ class Elastic:
         upper = self._sides(problem.upper, powers) + free
         lower[self._fixed :] += tight
         upper[self._fixed :] -= tight
+        lower[self._fixed :][self._way < 0.0] = -np.inf
+        upper[self._fixed :][self._way > 0.0] = np.inf
         ends = problem.end * powers[:n] / self.sizes[:n]
         lower[: self._fixed] = upper[: self._fixed] = (ends + free[:n])[: self._fixed]
         least, most = (np.zeros(len(self._costs)), np.full(len(self._costs), np.inf))
@@ -129,10 +142,14 @@ class Elastic:
             optimum.value,
             inputs * self.sizes[n],
             duals[: self._fixed],
-            duals[self._fixed :],
+            self._joined(duals[self._fixed :]),
             self._polynomial(optimum.multipliers, optimum.reduced_costs),
             (self._path @ inputs - free[self._fixed :]) / self._scale[self._fixed :],
         )
+
+    def _joined(self, duals: FloatArray) -> FloatArray:
+        """Return one multiplier for each row that was given."""
+        return np.asarray(duals.reshape(2, -1).sum(axis=0) if self._way.any() else duals)
 
     def _sides(self, side: FloatArray, powers: FloatArray) -> FloatArray:
         return np.asarray((side * powers)[self._of] * self._scale)

@@ -45,6 +45,12 @@ class WholeProblem:
         return not (self.start[1:].any() or self.end[1:].any())
 
     @property
+    def may_hold(self) -> bool:
+        """Whether start and end are on the same bound of a derivative below n, from 1 on."""
+        sides = (self.lower[1:-1], self.upper[1:-1])
+        return any(((self.start[1:] == s) & (self.end[1:] == s)).any() for s in sides)
+
+    @property
     def backward(self) -> bool:
         """Whether its mirror image is the one that is planned, so that both have one plan."""
         ways = [self.end[0] - self.start[0], *self.start[1:], *self.end[1:]]

@@ -25,7 +25,7 @@ def hull_rows(
         rows = functional_rows(maps, cells, k, *hull_functionals(n - k))
         matrices.append(rows.reshape(-1, maps.shape[2]))
         derivatives.append(np.full(len(rows) * len(cells), k))
-        reach = np.minimum(nodes[1:], 1.0 - nodes[:-1]) ** (n - k) / factorial(n - k)
+        reach = np.minimum(nodes[:-1], 1.0 - nodes[1:]) ** (n - k) / factorial(n - k)
         room = margin * np.minimum(sizes[k], _NEAR_ENDS / MARGIN * sizes[n] * reach)
         margins.append(np.tile(room, len(rows)))
     of = np.concatenate(derivatives).astype(int) if derivatives else np.zeros(0, dtype=int)

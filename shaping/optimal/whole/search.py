@@ -37,17 +37,18 @@ from .restriction import MARGIN, hull_rows
 from .sampled import Sampled, are_near, first_sizes
 
 _CELLS = 16
-_MOST_CELLS = 150
+_MOST_CELLS = 180
+_MOST_INPUTS = 600  # of a relaxed program: with more the simplex method takes seconds
 _ROUNDS = 14
 _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
 _NEARLY = 1e-6  # missing: no more than what roundings of the solver may make
 _WAIT = 3e-8  # of the duration: a step on where the repair fails
 _NEAR = 0.25  # of the range: rows that a program starts with
-_DOUBTFUL = 1  # rounds without a motion before start and end are looked at
-_TOO_LONG = 1e4  # times the first duration excluded: without a motion by then the search ends
+_DOUBTFUL = 3  # rounds after which, without a motion, start and end are looked at
+_FAR = 3.0  # times the duration that a round starts with: how far it goes without a motion
+_TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
-_IMPATIENT = 7  # rounds with any: where a bound is held from start to end there is no room
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
 _COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
 
@@ -105,7 +106,7 @@ class Search:
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
             self._round(rtol)
             self.rounds += 1
-            if self.rounds == _DOUBTFUL and self.best is None:
+            if self.rounds <= _DOUBTFUL and self.best is None:
                 self.dead_end = dead_end(self.problem, self.lower)
             stuck = self.best is None and self.lower > _TOO_LONG * first
             if self.dead_end is not None or stuck or len(self.nodes) > _MOST_CELLS:
@@ -114,14 +115,15 @@ class Search:
     def _round(self, rtol: float) -> None:
         problem, n = self.problem, self.problem.order
         before = self.lower
-        parts = parts_of(n)
+        parts = parts_of(n, len(self.nodes) - 1)
         maps = node_states(self.nodes, n, parts)
         relaxed = self._exclude(maps, parts, rtol)
         if self.lower == inf or self.gap <= rtol:
             return
         coarse = merged_parts(maps, parts, n)
         margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
-        margin = 0.0 if self.rounds >= _IMPATIENT else margin
+        if problem.may_hold and self.rounds == 0:
+            margin = 0.0  # a bound that is held from start to end leaves no room
         rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
         near = self._near(rows, self.nodes)
         program = Elastic(problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin)
@@ -156,8 +158,11 @@ class Search:
         program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near)
         enough = max(0.02 * rtol, 3e-4 / 10.0**self.rounds)
         last = None
+        farthest = _FAR * self.lower if self.best is None else inf
         for _ in range(_STEPS):
             time = self.lower
+            if farthest < time < inf:
+                return last
             found = program.solve(time)
             if found is None:
                 return last
@@ -240,6 +245,6 @@ class Search:
         return np.setdiff1d(finer, dropped)
 
 
-def parts_of(order: int) -> int:
-    """Return how many inputs a cell of the relaxed program has."""
-    return max(order, 4)
+def parts_of(order: int, cells: int) -> int:
+    """Return how many inputs a cell of the relaxed program has: fewer where there would be many."""
+    return min(max(order, 4), max(_MOST_INPUTS // cells, 1))
