@@ -56,6 +56,7 @@ from jounce.shaping import (
     perfect_spline,
     s_curve_move,
     synchronize,
+    through,
     velocity_move,
     velocity_transfer,
 )
@@ -151,6 +152,9 @@ NUMBERS = {
     "synchronized modify target": (lambda x: AXES.modify(0.5, [(x, 0.0), None]), 1.5),
     "append target": (CURVE.append, 0.5),
     "append delay": (lambda x: CURVE.append(2.0, delay=x), 0.5),
+    "through points": (lambda x: through([0.0, x, 0.2], LIMITS), 0.5),
+    "through corner": (lambda x: through([0.0, 1.0, 0.2], LIMITS, corner=x), 0.125),
+    "through scan": (lambda x: through([0.0, 1.0], LIMITS, scan={0: x}), 0.5),
     "synchronize start": (lambda x: synchronize([(x, 1.0, LIMITS)]), 0.5),
     "Inertia": (Inertia, 1.5),
     "FlexibleInertia J": (lambda x: FlexibleInertia(x, 1.0, 0.1), 1.5),

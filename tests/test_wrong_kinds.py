@@ -40,6 +40,7 @@ from jounce.shaping import (
     certify,
     min_time_move,
     synchronize,
+    through,
 )
 from jounce.shaping.recursive_s_curve import recursive_s_curve
 
@@ -61,6 +62,7 @@ NOUNS = {
     "min_time_move": lambda x: min_time_move(1.0, x),
     "recursive_s_curve": lambda x: recursive_s_curve(1.0, x),
     "synchronize": lambda x: synchronize([MOVE, x]),
+    "through limits": lambda x: through([0.0, 1.0], x),
     "certify": lambda x: certify(x, LIMITS),
     "certify limits": lambda x: certify(MOVE, x),
     "binding_limits": lambda x: binding_limits(x, LIMITS),

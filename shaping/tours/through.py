@@ -131,7 +131,7 @@ def _passing(
 
 def _limits(given: Any, axes: int) -> tuple[Limits, ...]:
     """Return the limits of every axis."""
-    if isinstance(given, Limits) or not isinstance(given, Iterable):
+    if not isinstance(given, list | tuple):
         check_order(given)
         return (given,) * axes
     listed = tuple(given)
