@@ -14,7 +14,7 @@ from ..shaping.checks import finite, of_kind, one_of, positive
 from ..shaping.frozen import Frozen
 from ..shaping.real_numbers import real_array, real_number, shown
 from .dynamics import Dynamics, linear_dynamics, mechanical_dynamics
-from .exact_response import state_space
+from .exact_response import refuse_data, state_space
 from .flexible_inertia import FlexibleInertia
 from .flexible_mode import FlexibleMode
 from .friction import Friction
@@ -303,6 +303,7 @@ def as_axis(plant: Any) -> Axis:
 
     if isinstance(plant, control.StateSpace | control.TransferFunction):
         return system_axis(plant)
+    refuse_data(plant)
     raise TypeError(
         f"plant = {shown(plant)}: expected Inertia, FlexibleInertia, Axis or a python-control "
         "system from torque to position"

@@ -164,12 +164,25 @@ def _block(rows: int, count: int) -> FloatArray:
     return np.empty(max(size, _LARGE))[:size].reshape(rows, count)
 
 
+def refuse_data(system: Any) -> None:
+    """Refuse frequency responses, measured ones or python-control's: TypeError."""
+    if hasattr(system, "frdata") or (
+        hasattr(system, "frequency_hz") and hasattr(system, "response")
+    ):
+        raise TypeError(
+            f"a {type(system).__name__} has values at its lines alone: expected a model, which has "
+            "a response in time; give analysis.fit_axis(frf).axis, or take the data to "
+            "analysis.loop_margins(frf, controller=…)"
+        )
+
+
 def state_space(system: Any) -> control.StateSpace:
     """Return an LTI system in state space, its signal names kept."""
     import control
 
     if isinstance(system, control.StateSpace):
         return system
+    refuse_data(system)
     if not isinstance(system, control.TransferFunction):
         raise TypeError(
             f"got {type(system).__name__}: expected a python-control StateSpace or "

@@ -25,11 +25,13 @@ from jounce.analysis import (
     describing_function,
     estimate_frf,
     first_order_lag,
+    fit_axis,
     frequency_response,
     loop_margins,
     multisine,
     null_by_size,
     periodic_response,
+    repeated_margins,
     sensitivity_of_shapers,
     servo_margins,
     survey,
@@ -96,6 +98,7 @@ RESPONSE = LOOP.respond(MOVE, 0.1)  # after which the loop keeps its interconnec
 SURVEY = survey_file(load_scenario("examples/telescope.toml"))
 LINES = np.arange(1.0, 30.0)
 FRF = MeasuredResponse(LINES, 10 / (1j * LINES), 1 / LINES, kind="loop")
+PLANT_FRF = MeasuredResponse(LINES, -1 / LINES**2, kind="plant")
 MULTISINE = multisine(0.01, 100, band_hz=(1.0, 40.0), torque=1.0)
 TUNED = tune_limits(
     LOOP, 3.0, settle_to=0.1, velocity=1.0, acceleration=2.0, orders=(3,), shapers=()
@@ -164,6 +167,8 @@ NOUNS = [
     closed_responses(FRF),
     loop_margins(FRF),
     MULTISINE,
+    repeated_margins({"one": FRF}),
+    fit_axis(PLANT_FRF, modes=0),
     estimate_frf(MULTISINE.values, MULTISINE.repeated(2), MULTISINE.repeated(2), 0.01, period=100),
     servo_margins([1.0, 2.0], PID(1.0, 1.0, 2.0)),
     SURVEY,

@@ -15,7 +15,7 @@ _SURE = 1.5  # standard deviations off the level
 _LEAST_GAIN = 0.01
 _MATTERS = 0.1  # |L| of a place that is told as unsure
 _MOST_SPREAD = 0.5  # of |L|: more is noise
-_HALVINGS = 50
+_HALVINGS = 32
 
 Excess = Callable[[Complex], Real]
 

@@ -16,6 +16,9 @@ from .measured_response import MeasuredResponse
 from .rational_fits import Complex, Real
 from .result import MeasuredMargins
 
+_BELOW = 1e3
+_POINTS_BELOW = 120
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGains:
@@ -44,16 +47,24 @@ class MeasuredGains:
         return [controller_values(self.with_gains(unit), self.measured) for unit in np.eye(3)]
 
     def omega(self) -> Real:
-        """Return frequencies in rad/s at which the loop is looked at: among and between lines."""
+        """Return frequencies in rad/s at which the loop is looked at: among and between lines.
+
+        And below them, so that no gains are found that are unstable there.
+        """
         whole = factored_loop(self.measured, self.with_gains(np.ones(3)))
-        return 2.0 * np.pi * loop_grid(whole).frequency_hz
+        among = loop_grid(whole).frequency_hz
+        below = np.geomspace(among[0] / _BELOW, among[0], _POINTS_BELOW, endpoint=False)
+        return 2.0 * np.pi * np.concatenate([below, among])
 
     def terms(self, omega: Real) -> Complex:
-        """Return what kp, ki and kr are multiplied by in L, (N, 3); what is not measured is not."""
+        """Return what kp, ki and kr are multiplied by in L, (N, 3).
+
+        Below its first line the plant is continued as its slope there says.
+        """
         hertz = omega / (2.0 * np.pi)
-        low, high = self.measured.frequency_hz[[0, -1]]
-        hertz = np.clip(hertz, low, high)
-        plant = self.measured.fits.at(hertz).value
+        inside = np.clip(hertz, *self.measured.frequency_hz[[0, -1]])
+        fits = self.measured.fits
+        plant = fits.at(inside).value * (inside / hertz) ** fits.power
         columns = [values.at(hertz) * plant for values in self._of_one_gain]
         return np.asarray(np.stack(columns, axis=1))
 

@@ -9,7 +9,7 @@ from jounce.plant import FlexibleInertia, Inertia, LowPass, ServoLoop, zero_orde
 
 DT = 1e-3
 AXIS = FlexibleInertia(2.0, frequency_hz=40.0, damping=0.01, load_fraction=0.4)
-LINES = np.arange(0.5, 400.0, 0.5)
+LINES = np.arange(1.0, 400.0)
 
 
 def measured(axis, noise, **declared):

@@ -1,0 +1,72 @@
+"""Weighted vector fitting: the poles of modes in a measured response.
+
+With starting poles p_k the response is written as G = N/D, both with these poles; the zeros of D
+are the poles of the next round (Gustavsen and Semlyen, IEEE Trans. Power Delivery 14 (1999)
+1052-1061).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .rational_fits import Complex, Real
+
+_ROUNDS = 25
+_STARTING_DAMPING = 0.01
+
+
+def mode_poles(s: Complex, response: Complex, weight: Real, rigid: Complex, count: int) -> Complex:
+    """Return the poles of so many modes, those with positive imaginary part, (count,).
+
+    Parameters
+    ----------
+    s : (N,) complex array
+        jω, ascending.
+    response : (N,) complex array
+    weight : (N,) array
+        One over the standard deviations.
+    rigid : (N, k) complex array
+        What the axis has besides modes, such as 1/s² and a constant.
+    """
+    low, high = np.log(s.imag[[0, -1]])
+    places = np.exp(low + (high - low) * (np.arange(count) + 1.0) / (count + 1.0))
+    poles = places * (1j - _STARTING_DAMPING)
+    for _ in range(_ROUNDS):
+        poles = _relocated(s, response, weight, rigid, poles)
+    return np.asarray(poles[np.argsort(poles.imag)])
+
+
+def pair_basis(s: Complex, poles: Complex) -> Complex:
+    """Return 1/(s − p) + 1/(s − p*) and j/(s − p) − j/(s − p*) of each pole, (N, 2·count)."""
+    one, other = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())
+    return np.stack([one + other, 1j * (one - other)], axis=2).reshape(len(s), -1)
+
+
+def _relocated(
+    s: Complex, response: Complex, weight: Real, rigid: Complex, poles: Complex
+) -> Complex:
+    basis = pair_basis(s, poles)
+    above = np.concatenate([rigid, basis], axis=1)
+    rows = np.concatenate([above, -response[:, None] * basis], axis=1) * weight[:, None]
+    right = response * weight
+    stacked = np.concatenate([rows.real, rows.imag])
+    scale = np.maximum(np.linalg.norm(stacked, axis=0), 1e-300)
+    solved = np.linalg.lstsq(stacked / scale, np.concatenate([right.real, right.imag]), rcond=None)
+    weights = (solved[0] / scale)[above.shape[1] :]
+    matrix = np.zeros((2 * len(poles), 2 * len(poles)))
+    column = np.zeros(2 * len(poles))
+    for k, pole in enumerate(poles):
+        block = slice(2 * k, 2 * k + 2)
+        matrix[block, block] = [[pole.real, pole.imag], [-pole.imag, pole.real]]
+        column[2 * k] = 2.0
+    moved = np.linalg.eigvals(matrix - np.outer(column, weights)).astype(complex)
+    return _as_modes(moved, len(poles), float(s.imag[-1]))
+
+
+def _as_modes(moved: Complex, count: int, highest: float) -> Complex:
+    """Return poles of modes, mirrored into the left half plane; real ones become a pair."""
+    upper = moved[moved.imag > 0.0]
+    real = np.sort(moved[moved.imag == 0.0].real)
+    pairs = np.abs(real[: 2 * (len(real) // 2) : 2]) + 1e-6 * highest
+    made = np.concatenate([upper, pairs * (1j - 0.1)])[:count]
+    return np.asarray(-abs(made.real) + 1j * made.imag)
