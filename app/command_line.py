@@ -19,7 +19,7 @@ from .printing import message_of, print_parts
 from .usage import USAGE_ERRORS, unknown_option, usage_message
 
 if TYPE_CHECKING:
-    from ..shaping.moves import Method
+    from ..shaping.plain_moves import Method
     from .plan import Plan
 
 BAD_INPUT = 2

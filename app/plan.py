@@ -9,7 +9,7 @@ from math import inf
 from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
 from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
-from ..shaping.moves import Method
+from ..shaping.plain_moves import Method
 from .units import (
     DURATION,
     Kind,

@@ -96,7 +96,8 @@ typedef struct {
     double first, fall, last; /* with bounded jerk: p - a0, p - q, a1 - q to their own last digits */
 } jounce_profile;
 
-enum { JOUNCE_MOST_PROFILES = 40, JOUNCE_MOST_LENGTHS = 7 };
+/* With more profiles a frame takes more than a page, which Windows wants looked after. */
+enum { JOUNCE_MOST_PROFILES = 24, JOUNCE_MOST_LENGTHS = 7 };
 
 typedef struct {
     int count;

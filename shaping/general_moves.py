@@ -7,12 +7,12 @@ from math import isfinite
 from .checks import finite, positive
 from .closed_moves import check_move_limits, closed_form_move
 from .limits import Limits, of_one
-from .moves import Method, plain_move
 from .optimal.smoothing import even_are_symmetric, truncated
 from .optimal.whole.averaged import averaged_move
 from .optimal.whole.lasting import lasting
 from .optimal.whole.outcome import found_plan, inside_bounds, warn_if_far
 from .optimal.whole.planner import HIGHEST_ORDER, planned
+from .plain_moves import Method, plain_move
 from .trajectory import Trajectory, point
 from .transfers.infeasible import InfeasibleError
 

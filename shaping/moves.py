@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Literal
 
-from .. import core
 from .checks import finite, one_of, positive, whole
-from .closed_moves import (
-    check_kept,
-    fastest,
-    planned,
-)
 from .limits import Limits
 from .pieces import MAX_ORDER
+from .plain_moves import Method, plain_move
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
-
-Method = Literal["optimal", "closed-form"]
-"""How `min_time_move` plans from order 4 on."""
 
 
 def min_time_move(
@@ -96,8 +87,9 @@ def min_time_move(
     within their gap only.
 
     Bounds that differ between directions are used exactly, those on even derivatives from n = 4 to
-    10 by programs over the whole horizon as in `min_time_transfer`. Closed forms use the smaller
-    magnitude of each pair from acceleration upward from n = 4 on: feasible, but not the fastest.
+    10 by programs over the whole horizon as in `min_time_transfer`. Closed forms, from n = 4 on,
+    are there the faster one of moving averages of the move of order 3 and of those for the smaller
+    magnitude of each pair from acceleration upward: feasible, but not the fastest.
 
     End position within 1e-12 of the distance (and rounding of start + distance), every bound
     kept to 1e-12 relative, for orders to 10.
@@ -131,27 +123,6 @@ def min_time_move(
         fastest_move = min_time_move(distance, limits, start=start, method=method)
         return move_lasting(fastest_move, limits, duration, round_to)
     return plain_move(distance, limits, start, method)
-
-
-def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
-    """Return the fastest move that core, closed forms and half horizon know, positions free."""
-    try:
-        found = core.move(distance, limits.flat, start, Trajectory, None)
-    except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
-        found = core.RANGE
-    if not isinstance(found, int):
-        return found
-
-    def plan(length: float, forward: Limits) -> Trajectory:
-        move = within_range(lambda: fastest(length, forward))
-        check_kept(move, forward)
-        if method == "closed-form" or forward.order <= 3:
-            return move
-        from .optimal.minimum_time import faster_or_warn  # which is built on the closed forms
-
-        return faster_or_warn(move, forward)
-
-    return planned(distance, limits, start, plan)
 
 
 def perfect_spline(distance: float, order: int, bound: float, *, start: float = 0.0) -> Trajectory:

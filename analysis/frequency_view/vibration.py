@@ -13,7 +13,7 @@ from ...shaping.checks import finite
 from ...shaping.drawing import draw
 from ...shaping.frozen import Frozen
 from ...shaping.jerk_filter import checked_filter
-from ...shaping.moves import Method
+from ...shaping.plain_moves import Method
 from ...shaping.trajectory import Motion
 from ...shaping.trajectory_checks import finite_array
 from .spectrum import at_rest, checked_distances, velocity_spectrum

@@ -13,8 +13,8 @@ from ..checks import range_error
 from ..closed_moves import check_move_limits
 from ..frozen import Frozen
 from ..limits import Limits, not_limits, one_sided
-from ..moves import min_time_move
 from ..pieces import FloatArray
+from ..plain_moves import plain_move
 from ..trajectory import Trajectory
 from ..trajectory_checks import finite_array
 from .closed_forms import ClosedForms
@@ -54,8 +54,10 @@ def min_time_moves(distances: ArrayLike, limits: Limits, *, start: ArrayLike = 0
 
     Notes
     -----
-    The method is that of `min_time_move` with method="closed-form", and the durations agree with
-    its to 1e-12: the minimum for n ≤ 3, and a feasible move beyond.
+    The durations agree to 1e-12 with those of `min_time_move` with method="closed-form": the
+    minimum for n ≤ 3, and a feasible move beyond. Where bounds differ between directions, n ≥ 4,
+    the smaller magnitude of each pair from acceleration upward counts for both; one move alone
+    does better there.
 
     A batch keeps 16 bytes a move: its duration and its distance. One more for n ≥ 4, and 16 for
     every bound and 8 for starts that are given as arrays. Planning takes at most 5 MB beside,
@@ -135,7 +137,7 @@ class Moves(Frozen):
         """Return one motion."""
         limits = limits_of(self.limits, self.distances.shape, index)
         distance, start = float(self.distances[index]), float(self.starts[index])
-        return min_time_move(distance, limits, start=start)
+        return plain_move(distance, limits, start, "closed-form")
 
     def fill(self, some: slice, rooms: tuple[FloatArray, FloatArray, FloatArray]) -> None:
         """Plan some, counted in C order; see `Problems`."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from math import inf
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ..trajectory import Motion
 from .axes import Axis
@@ -11,7 +13,11 @@ from .infeasible import InfeasibleError
 from .problem import Problem
 from .s_curve import lasting, longest
 
+if TYPE_CHECKING:
+    from .whole_transfer import WholeProblem
+
 _ROUNDING = 16.0 * 2.0**-52
+Following = Callable[[float], float]
 Mode = Literal["start", "end", "both", "straight-line"]
 MODES = ("start", "end", "both", "straight-line")
 
@@ -33,31 +39,40 @@ def both_together(axes: list[Axis]) -> list[Motion]:
     """Return motions of the shortest duration that every axis can take."""
     problems = [_problem(axis) for axis in axes]
     duration = _common_duration(
-        [_durations(axis, problem) for axis, problem in zip(axes, problems, strict=True)]
+        [_following(axis, problem) for axis, problem in zip(axes, problems, strict=True)]
     )
     return [_lasting(axis, problem, duration) for axis, problem in zip(axes, problems, strict=True)]
 
 
-def _problem(axis: Axis) -> Problem | None:
+def _problem(axis: Axis) -> Problem | WholeProblem | None:
     """Return the problem that a transfer solves, None for another motion."""
-    if axis.limits is None or axis.order not in (2, 3):
+    if axis.limits is None or axis.order < 2 or (axis.order > 3 and axis.rests):
         return None
     states = (axis.motion.start_state, axis.motion.end_state)
     start, end = (state[: axis.order].tolist() for state in states)
-    return Problem(start, end, axis.limits)
+    if axis.order < 4:
+        return Problem(start, end, axis.limits)
+    from .whole_transfer import WholeProblem  # which loads linear programs
+
+    return WholeProblem(start, end, axis.limits)
 
 
-def _durations(axis: Axis, problem: Problem | None) -> list[tuple[float, float]]:
-    """Return the intervals of durations that an axis can take."""
-    if problem is not None:
-        return problem.possible_durations()
+def _following(axis: Axis, problem: Problem | WholeProblem | None) -> Following:
+    """Return the function from a duration to the shortest possible one that is no shorter."""
     own = axis.motion.duration
-    if axis.rests:
-        return [(own, inf)]
-    return [(own, longest(axis.motion))] if axis.slows else [(own, own)]
+    intervals = [(own, own)]
+    if isinstance(problem, Problem):
+        intervals = problem.possible_durations()
+    elif problem is not None:
+        return problem.next_duration
+    elif axis.rests:
+        intervals = [(own, inf)]
+    elif axis.slows:
+        intervals = [(own, longest(axis.motion))]
+    return partial(_next_possible, intervals)
 
 
-def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Motion:
+def _lasting(axis: Axis, problem: Problem | WholeProblem | None, duration: float) -> Motion:
     own = axis.motion.duration
     if own >= duration * (1.0 - _ROUNDING):
         return axis.motion
@@ -76,21 +91,21 @@ def _lasting(axis: Axis, problem: Problem | None, duration: float) -> Motion:
     return slower
 
 
-def _common_duration(possible: list[list[tuple[float, float]]]) -> float:
-    """Return the shortest duration that lies in an interval of every axis."""
+def _common_duration(possible: list[Following]) -> float:
+    """Return the shortest duration that every axis can take."""
     duration = 0.0
     while True:
-        following = max(_next_possible(intervals, duration) for intervals in possible)
-        if following == inf:
+        nexts = [following(duration) for following in possible]
+        if inf in nexts:
             raise InfeasibleError(
-                "the axes have no duration in common: each can only take those of "
-                f"{possible}; start or end one of them with less velocity",
+                f"the axes have no duration in common: axis {nexts.index(inf)} can take none of "
+                f"{duration!r} or more; start or end one of them with less velocity",
                 "velocity",
                 0.0,
             )
-        if following <= duration:
-            return duration
-        duration = following
+        if max(nexts) <= duration * (1.0 + _ROUNDING):
+            return max(nexts)
+        duration = max(nexts)
 
 
 def _next_possible(intervals: list[tuple[float, float]], duration: float) -> float:

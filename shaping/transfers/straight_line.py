@@ -14,6 +14,7 @@ from .axes import Axis, Pair, axis_of, planned_motion
 from .transfer import min_time_transfer
 
 ALIKE = 1e-9  # relative difference of two axes' speeds along the line that is rounding
+_NEAR = 2e-4  # gap asked for of the motion along the line, whose bounds are nearly even
 _SLOWEST = 1e-12  # relative difference of durations that is rounding
 
 
@@ -122,7 +123,7 @@ def _fastest_move(moving: Sequence[Axis]) -> Trajectory:
     if best.duration <= slowest * (1.0 + _SLOWEST):
         return best
     bounds = [(low if low < 0.0 else -high, high) for low, high in _tightest_of(moving)]
-    planned = _slowed(min_time_move(1.0, Limits.from_bounds(bounds)), moving)
+    planned = _slowed(min_time_move(1.0, Limits.from_bounds(bounds), rtol=_NEAR), moving)
     return min(best, planned, key=lambda profile: profile.duration)
 
 

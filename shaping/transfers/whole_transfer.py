@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ..checks import finite, positive, state_numbers
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
-from ..optimal.whole.lasting import lasting
+from ..moves import min_time_move
+from ..optimal.whole.lasting import lasting, next_duration
 from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
 from ..real_numbers import shown
 from ..trajectory import Trajectory, point
@@ -31,11 +34,32 @@ def whole_transfer(
         return Transfer(lasting(begin, finish, limits, *lasts, rtol=rtol), limits)
     if begin == finish:
         return Transfer(_standing(begin), limits)
+    if not any((*begin[1:], *finish[1:])):
+        move = min_time_move(finish[0] - begin[0], limits, start=begin[0], rtol=rtol)
+        return Transfer(move, limits)
     plan = found_plan(begin, finish, limits, rtol=rtol)
     motion = plan.trajectory
     assert motion is not None
     warn_if_far(plan, rtol, motion.duration)
     return Transfer(motion, limits)
+
+
+@dataclass(frozen=True)
+class WholeProblem:
+    """Two states between which an axis of order 4 or more moves, and its limits."""
+
+    start: State
+    end: State
+    limits: Limits
+
+    def next_duration(self, duration: float) -> float:
+        """Return the shortest possible duration found that is no less; infinite for none."""
+        start = numbers_of("start", self.start, self.limits)
+        return next_duration(start, numbers_of("end", self.end, self.limits), self.limits, duration)
+
+    def lasting(self, duration: float) -> Transfer:
+        """Return a transfer of a possible duration."""
+        return whole_transfer(self.start, self.end, self.limits, (duration, None), 1e-4)
 
 
 def numbers_of(name: str, given: State, limits: Limits) -> tuple[float, ...]:

@@ -58,6 +58,15 @@ def lasting(
     raise last
 
 
+def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float) -> float:
+    """Return the shortest duration found that is no less than one given; infinite where none is."""
+    plan = planned(start, end, limits)
+    best, time = plan.search.best, ldexp(duration, -plan.time)
+    if best is None or best.time < time * (1.0 - _AT):
+        best = None if plan.impossible else _from(plan, time).best
+    return np.inf if best is None else max(duration, ldexp(best.time, plan.time))
+
+
 def _samples(duration: float, dt: float) -> int:
     return in_range(lambda: ceil(duration / dt * (1.0 - 1e-14)))
 
@@ -78,18 +87,24 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
 
 
 def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
-    problem = plan.search.problem
+    search = _from(plan, time)
+    if search.lower > time * (1.0 + _AT):
+        raise _none(duration, "it is proven that there is none of this one")
+    if search.best is None or search.best.time > time * (1.0 + _AT):
+        raise _none(duration, "none was found, which is no proof that there is none")
+    with np.errstate(all="ignore"):
+        return _gentlest(plan.search.problem, search.nodes, time, search.best)
+
+
+def _from(plan: Plan, time: float) -> Search:
+    """Return a search for the first motion that takes no less than a time."""
     nodes = np.union1d(np.linspace(0.0, 1.0, 17), plan.search.nodes)
     nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
-    search = Search(problem, nodes)
+    search = Search(plan.search.problem, nodes)
     search.lower, search.chain = time, []
     with np.errstate(all="ignore"):
         search.run(_AT)
-        if search.lower > time * (1.0 + _AT):
-            raise _none(duration, "it is proven that there is none of this one")
-        if search.best is None or search.best.time > time * (1.0 + _AT):
-            raise _none(duration, "none was found, which is no proof that there is none")
-        return _gentlest(problem, search.nodes, time, search.best)
+    return search
 
 
 def _none(duration: float, reason: str) -> InfeasibleError:

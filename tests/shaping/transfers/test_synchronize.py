@@ -484,8 +484,6 @@ def test_orders_that_min_time_move_plans_can_be_given_by_their_ends():
     planned = synchronize([(0.0, 4.0, SNAP), ((1.0, 0.0), (2.5, 0.0, 0.0), SMOOTH)])
     slowest = min_time_move(4.0, SNAP).duration
     assert [axis.duration for axis in planned] == pytest.approx([slowest, slowest], rel=1e-14)
-    with pytest.raises(ValueError, match=r"axis 0: limits of order 4: expected order 2"):
-        synchronize([((0.0, 0.5), 4.0, SNAP)])
 
 
 def test_what_moves_at_an_end_and_has_no_limits_takes_its_own_time():
@@ -502,6 +500,23 @@ def test_what_moves_at_an_end_and_has_no_limits_takes_its_own_time():
     moving = s_curve_move(5.0, start=(0.0, 1.0), **curve)
     with pytest.raises(ValueError, match="axis 0 moves at its start and cannot wait"):
         synchronize([moving, min_time_move(50.0, SNAP)], "end")
+
+
+@pytest.mark.parametrize(
+    "second",
+    [((0.0, 0.1), (6.0, 0.2), SNAP), ((0.0, 1.0), (1.0, 1.0), SMOOTH), (0.0, 0.5, POP)],
+)
+def test_axes_of_order_4_that_move_at_an_end_take_a_duration_that_all_can(second):
+    first = (0.0, 0.5), (4.0, 0.1, -0.2), SNAP
+    slowest = max(min_time_transfer(*each).duration for each in (first, second))
+    for motion, (start, end, limits) in zip(
+        synchronize([first, second]), (first, second), strict=True
+    ):
+        assert motion.duration >= slowest * (1.0 - 1e-12)
+        assert motion.violation(limits) <= 1e-9
+        for state, wanted in ((motion.start_state, start), (motion.end_state, end)):
+            wanted = (*np.atleast_1d(wanted), 0.0, 0.0, 0.0)[:3]
+            np.testing.assert_allclose(state[:3], wanted, rtol=0, atol=1e-9)
 
 
 # Errors

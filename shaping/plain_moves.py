@@ -1,0 +1,34 @@
+"""Moves that core, closed forms and half horizon know the minimum time of: positions free."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from .. import core
+from .closed_moves import check_kept, fastest, planned
+from .limits import Limits
+from .trajectory import Trajectory, within_range
+
+Method = Literal["optimal", "closed-form"]
+"""How `min_time_move` plans from order 4 on."""
+
+
+def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
+    """Return the fastest move that core, closed forms and half horizon know, positions free."""
+    try:
+        found = core.move(distance, limits.flat, start, Trajectory, None)
+    except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
+        found = core.RANGE
+    if not isinstance(found, int):
+        return found
+
+    def plan(length: float, forward: Limits) -> Trajectory:
+        move = within_range(lambda: fastest(length, forward))
+        check_kept(move, forward)
+        if method == "closed-form" or forward.order <= 3:
+            return move
+        from .optimal.minimum_time import faster_or_warn  # which is built on the closed forms
+
+        return faster_or_warn(move, forward)
+
+    return planned(distance, limits, start, plan)
