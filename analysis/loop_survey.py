@@ -288,6 +288,8 @@ def _notes(survey: Survey) -> Iterator[str]:
         )
     if axis.encoder_step and not survey.loop.is_digital:
         yield "A continuous controller does not see the encoder's resolution: give a sample time."
+    for move in survey.moves:
+        yield from (f"Move {move.name}: {told}" for told in move.configured.response.remarks)
     if survey.limit_cycles is not None:
         yield from shown_cycles(survey.limit_cycles, labels.position_unit, labels.position_scale)
 

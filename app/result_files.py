@@ -92,10 +92,16 @@ def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[float]
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Save a figure as PICTURES says, without the date: the same input gives the same file."""
+    """Save a figure as PICTURES says, without the date: the same input gives the same file.
+
+    Its panels are laid out here, once: matplotlib would do it twice for each file.
+    """
     from matplotlib import rc_context
 
-    undated = PICTURES[path.suffix.lower()]
+    undated, engine = PICTURES[path.suffix.lower()], figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
     with rc_context({"svg.hashsalt": "jounce"}):
         figure.savefig(path, dpi=_DPI, metadata=undated)
 

@@ -4,7 +4,8 @@ A flexible axis with current lag, stiction and torque limit under a PID of 1 kHz
 solve_ivp (DOP853, rtol 1e-9) is started again at every sample, actuation and event, and finds
 where the friction changes by its events; input_output_response is called for every hold, with a
 smooth friction tanh(v/1e-3). Both are run over the first part of a second and counted as if they
-went on so. The batch is of loops with different gains, on all processors.
+went on so. The batch is of loops with different gains, on all processors; beside it some of them
+one by one, and by how much the memory in use has grown at most.
 
 Run: python benchmarks/loops.py
 """
@@ -14,8 +15,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from math import pi
+from resource import RUSAGE_SELF, getrusage
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 import control
 import numpy as np
@@ -29,6 +31,7 @@ from jounce.plant import (
     Feedforward,
     FlexibleMode,
     Friction,
+    LoopResponse,
     ServoLoop,
     respond_all,
 )
@@ -36,7 +39,7 @@ from jounce.shaping import Limits, min_time_move
 
 DT, DELAY, DURATION = 1e-3, 0.4e-3, 10.0
 PART = 0.06  # of the duration, for what is slow
-BATCH = 200
+BATCH, ALONE = 10_000, 100  # runs at once; runs one by one
 J, HZ, ZETA, SHARE, LAG = 2.0, 20.0, 0.01, 0.3, 0.6e-3
 COULOMB, STATIC, LIMIT = 3.0, 4.0, 14.0
 KP, KI, KD = 1263.31, 4762.56, 65.3451
@@ -158,13 +161,35 @@ def rows() -> list[tuple[str, ...]]:
         end = ByHand(hold).run(PART)
         taken = (perf_counter() - begin) * DURATION / PART
         found.append((name, _time(taken), f"{taken / mine:.0f}", f"{end:.9f}"))
-    loops = [loop(KP * (1.0 + 1e-4 * i)) for i in range(BATCH)]
-    begin = perf_counter()
-    respond_all(loops, MOVE, times=[DURATION], figures=lambda r: r.saturated_samples)
-    taken = (perf_counter() - begin) / BATCH
-    name = f"jounce, each of {BATCH} in a batch on {os.cpu_count()} processors"
-    found.append((name, _time(taken), f"{taken / mine:.2f}", ""))
     return found
+
+
+def batch_row() -> tuple[str, ...]:
+    """Return what a batch takes: time, that of its runs one by one, processors at work, memory."""
+    some = [loop(KP * (1.0 + 1e-5 * i)) for i in range(ALONE)]
+    begin = perf_counter()
+    for each in some:
+        figure(each.respond(MOVE, times=[DURATION]))
+    alone = (perf_counter() - begin) / ALONE
+    held = getrusage(RUSAGE_SELF).ru_maxrss
+    begin, at_work = perf_counter(), process_time()
+    loops = (loop(KP * (1.0 + 1e-5 * i)) for i in range(BATCH))
+    respond_all(loops, MOVE, times=[DURATION], figures=figure)
+    taken, at_work = perf_counter() - begin, process_time() - at_work
+    more = (getrusage(RUSAGE_SELF).ru_maxrss - held) / 1024.0
+    return (
+        f"{BATCH}",
+        f"{taken:.1f} s",
+        f"{at_work:.1f} s",
+        f"{at_work / taken:.2f} of {os.cpu_count()}",
+        f"{taken / (BATCH * alone):.2f}",
+        f"{more:.0f} MiB",
+    )
+
+
+def figure(response: LoopResponse) -> int:
+    """Return what is wanted of a run."""
+    return response.saturated_samples
 
 
 def _time(seconds: float) -> str:
@@ -173,5 +198,16 @@ def _time(seconds: float) -> str:
 
 HEADER = ("10 s of a loop", "time", "time / jounce", f"motor after {1e3 * PART:.0f} ms")
 
+BATCH_HEADER = (
+    "runs in a batch",
+    "wall",
+    "CPU",
+    "processors at work",
+    "wall / one by one",
+    "more memory",
+)
+
 if __name__ == "__main__":
     print(table(HEADER, rows()))
+    print()
+    print(table(BATCH_HEADER, [batch_row()]))

@@ -13,6 +13,7 @@ from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from .knife_edges import knife_edges
 from .simulate import simulate
 
 if TYPE_CHECKING:
@@ -136,6 +137,11 @@ class LoopResponse(Frozen):
     def run(self) -> Run:
         """The exact motion between the times of the grid."""
         return simulate(self._scene)
+
+    @cached_property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on what of this response hangs on the last digits: knife edges it has met."""
+        return () if self.scene is None else tuple(knife_edges(self.run))
 
     @property
     def _scene(self) -> Scene:

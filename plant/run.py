@@ -95,10 +95,10 @@ class Run:
         index = np.clip(index, 0, len(self.times) - 1)
         modes, states = self.modes[index], self.states[index].copy()
         ahead = times - self.times[index]
-        self._advance(states, modes, np.where(ahead > slack, ahead, 0.0))
+        self.advance(states, modes, np.where(ahead > slack, ahead, 0.0))
         return modes, states
 
-    def _advance(self, states: FloatArray, modes: Any, ahead: FloatArray) -> None:
+    def advance(self, states: FloatArray, modes: Any, ahead: FloatArray) -> None:
         """Move states on in place, each by its time, which is at most a step."""
         moving = self.layout.moving
         for mode in np.unique(modes[ahead > 0.0]):

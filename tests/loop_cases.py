@@ -42,13 +42,62 @@ FILTERS = {
 }
 
 
+OF_THE_METHOD = {"scale_rad", "max_step_s", "duration_s"}  # how expected values were computed
+
+
+class Asked(dict):
+    """Parameters that know which of them have been looked at."""
+
+    def __init__(self, given):
+        super().__init__({name: asked(value) for name, value in given.items()})
+        self.seen = set()
+
+    def __getitem__(self, name):
+        self.seen.add(name)
+        return super().__getitem__(name)
+
+    def get(self, name, default=None):
+        """Return a parameter, which counts as looked at."""
+        self.seen.add(name)
+        return super().get(name, default)
+
+    def items(self):
+        """Return all, which count as looked at."""
+        self.seen.update(self)
+        return super().items()
+
+    def unread(self):
+        """Yield the names of what nothing has looked at."""
+        for name, value in super().items():
+            if name not in self.seen | OF_THE_METHOD:
+                yield name
+            for part in value if isinstance(value, list) else [value]:
+                if isinstance(part, Asked):
+                    yield from (f"{name}.{inner}" for inner in part.unread())
+
+
+def asked(value):
+    if isinstance(value, dict):
+        return Asked(value)
+    return [asked(part) for part in value] if isinstance(value, list) else value
+
+
 def run_case(parameters):
-    """Return what a case expects, bare values in the same nesting."""
-    if "shapers" in parameters:
-        return run_shapers(parameters)
-    if "wind" in parameters:
-        return run_variances(parameters)
-    return run_response(parameters)
+    """Return what a case expects, bare values in the same nesting.
+
+    Raises ValueError for parameters that have no say in what is returned.
+    """
+    given = Asked(parameters)
+    kinds = {
+        "shapers": run_shapers,
+        "wind": run_variances,
+        "encoder_noise_sigma_rad": run_variances,
+    }
+    found = next((run for name, run in kinds.items() if name in given), run_response)(given)
+    unread = sorted(given.unread())
+    if unread:
+        raise ValueError(f"parameters {', '.join(unread)}: unknown in a case of this kind")
+    return found
 
 
 def axis_of(parameters):
@@ -57,7 +106,7 @@ def axis_of(parameters):
     others = {
         "viscous": plant.get("motor_viscous_nm_s_per_rad", 0.0),
         "load_viscous": plant.get("load_viscous_nm_s_per_rad", 0.0),
-        "friction": friction and Friction(friction["coulomb_nm"], friction["static_nm"]),
+        "friction": friction and Friction(friction["coulomb_nm"], friction.get("static_nm")),
         "torque_limit": controller.get("torque_limit_nm", inf),
         "current_lag": parameters.get("current_lag_s", 0.0),
         "encoder_step": controller.get("encoder_step_rad", 0.0),
@@ -81,7 +130,7 @@ def chain_numbers(plant):
     """Return masses, springs and dampers, whatever the units in their names."""
 
     def named(*starts):
-        return next((v for n, v in plant.items() if n.startswith(starts)), None)
+        return next((plant[name] for name in plant if name.startswith(starts)), None)
 
     masses, springs = named("mass", "inertia", "J_", "m_"), named("spring", "stiff", "k_")
     return masses, springs, named("damp", "c_")
@@ -121,7 +170,7 @@ def feedforward_of(p):
     def gains(name):
         return {int(k): gain for k, gain in p.get(f"{name}_feedforward_of_derivative", {}).items()}
 
-    friction = [v for n, v in p.items() if n.startswith("friction_feedforward")]
+    friction = [p[name] for name in p if name.startswith("friction_feedforward")]
     return Feedforward(gains("torque"), position=gains("position"), friction=(friction or [0.0])[0])
 
 
@@ -171,9 +220,10 @@ def run_response(parameters):
         "peak_load_error_rad": response.peak_load_error,
     }
     if "settle_tolerance_rad" in parameters:
-        found["settling_time_s"] = response.settling_time(
+        settled = response.settling_time(
             parameters["settle_target_rad"], parameters["settle_tolerance_rad"], of="load"
         )
+        found["settling_time_s"] = min(settled, parameters["duration_s"])
     if loop.is_digital:
         e = response.controller_error
         found["rms_controller_error_at_samples_rad"] = np.sqrt(np.mean(e * e))
@@ -234,7 +284,7 @@ def wind_of(p):
         p["sigma_nm"],
         corner_hz=p.get("corner_hz"),
         length_over_speed=p.get("length_over_speed_s"),
-        on=p["on"],
+        on=p.get("on", "load"),
     )
 
 
@@ -242,6 +292,7 @@ def run_variances(parameters):
     controller = parameters["controller"]
     loop = ServoLoop(axis_of(parameters), controller_of(controller), feedforward_of(controller))
     noise = parameters.get("encoder_noise_sigma_rad", 0.0)
+    wind = wind_of(parameters["wind"]) if "wind" in parameters else None
 
     def named(found):
         return {
@@ -250,7 +301,7 @@ def run_variances(parameters):
             "command_torque_sigma_nm": found.torque,
         }
 
-    found = loop.deviations(wind_of(parameters["wind"]), encoder_noise=noise)
+    found = loop.deviations(wind, encoder_noise=noise)
     result = named(found) | {"load_sigma_time_average_rad": found.load_average}
     if "von_karman_wind" in parameters:
         other = loop.deviations(wind_of(parameters["von_karman_wind"]), encoder_noise=noise)

@@ -33,3 +33,15 @@ def test_a_case_comes_out_as_two_independent_methods_have_it(case):
         scale = np.abs(value).max(initial=1e-3 if "residual" in path else 0.0)
         tolerance = max(10.0 * estimate, RELATIVE * scale)
         np.testing.assert_allclose(got, value, rtol=0, atol=tolerance, err_msg=path)
+
+
+@pytest.mark.parametrize("case", CASES["cases"], ids=[case["name"] for case in CASES["cases"]])
+def test_a_parameter_that_means_nothing_is_refused_wherever_it_stands(case):
+    p = case["parameters"]
+    parts = [name for name, value in p.items() if isinstance(value, dict)]
+    for place in (None, *parts):
+        inner = p if place is None else p[place]
+        more = {**inner, "backlash": 1.0}
+        more = more if place is None else {**p, place: more}
+        with pytest.raises(ValueError, match="backlash: unknown"):
+            run_case(more)
