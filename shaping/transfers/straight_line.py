@@ -14,7 +14,7 @@ from .axes import Axis, Pair, axis_of, planned_motion
 from .transfer import min_time_transfer
 
 ALIKE = 1e-9  # relative difference of two axes' speeds along the line that is rounding
-_NEAR = 2e-4  # gap asked for of the motion along the line, whose bounds are nearly even
+_NEAR = 5e-4  # gap asked for of the motion along the line, whose bounds are nearly even
 _SLOWEST = 1e-12  # relative difference of durations that is rounding
 
 
