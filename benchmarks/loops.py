@@ -161,7 +161,7 @@ def rows() -> list[tuple[str, ...]]:
         end = ByHand(hold).run(PART)
         taken = (perf_counter() - begin) * DURATION / PART
         found.append((name, _time(taken), f"{taken / mine:.0f}", f"{end:.9f}"))
-    return found
+    return [*found, batch_row()]
 
 
 def batch_row() -> tuple[str, ...]:
@@ -177,14 +177,11 @@ def batch_row() -> tuple[str, ...]:
     respond_all(loops, MOVE, times=[DURATION], figures=figure)
     taken, at_work = perf_counter() - begin, process_time() - at_work
     more = (getrusage(RUSAGE_SELF).ru_maxrss - held) / 1024.0
-    return (
-        f"{BATCH}",
-        f"{taken:.1f} s",
-        f"{at_work:.1f} s",
-        f"{at_work / taken:.2f} of {os.cpu_count()}",
-        f"{taken / (BATCH * alone):.2f}",
-        f"{more:.0f} MiB",
+    name = (
+        f"jounce, each of {BATCH} in a batch: {taken:.1f} s, CPU {at_work:.1f} s, "
+        f"{at_work / taken:.2f} of {os.cpu_count()} processors, {more:.0f} MiB more"
     )
+    return name, _time(taken / BATCH), f"{taken / (BATCH * alone):.2f}", ""
 
 
 def figure(response: LoopResponse) -> int:
@@ -198,16 +195,5 @@ def _time(seconds: float) -> str:
 
 HEADER = ("10 s of a loop", "time", "time / jounce", f"motor after {1e3 * PART:.0f} ms")
 
-BATCH_HEADER = (
-    "runs in a batch",
-    "wall",
-    "CPU",
-    "processors at work",
-    "wall / one by one",
-    "more memory",
-)
-
 if __name__ == "__main__":
     print(table(HEADER, rows()))
-    print()
-    print(table(BATCH_HEADER, [batch_row()]))

@@ -21,9 +21,6 @@ from .axis import Axis, as_axis
 from .closed_systems import (
     Sensitivity,
     closed_system,
-    continuous_functions,
-    sampled_functions,
-    two_encoder_functions,
 )
 from .commands import Sum, as_command
 from .controller import Controller, as_controller
@@ -32,16 +29,20 @@ from .disturbances import Wind, checked_disturbances
 from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .filtered_loop import behind_filter, filter_outputs
-from .flexible_inertia import FlexibleInertia
-from .inertia import Inertia
 from .layout import start_of
-from .linear_system import linear_system, static_gain
+from .linear_system import static_gain
 from .loop_grid import response_of
 from .loop_response import LoopResponse
+from .loop_transfers import (
+    closed_transfer,
+    known_by_polynomials,
+    open_transfer,
+    sampled_transfer,
+    sensitivity_of,
+)
 from .open_loop import OpenLoop, open_loop
-from .pid import PID, Rate
+from .pid import Rate
 from .run import Scene
-from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
     import control
@@ -109,71 +110,19 @@ class ServoLoop(Frozen):
         """Axis and continuous controller, the torque not yet connected."""
         return open_loop(self.axis, self.controller_noun, self.feedforward_noun)
 
-    @property
-    def _is_ideal(self) -> bool:
-        """Whether it is one of the ideal loops, known by polynomials."""
-        return isinstance(self.plant, Inertia | FlexibleInertia) and (
-            isinstance(self.controller, PID)
-            and not self.controller.derivative_filter
-            and isinstance(self.feedforward, InertiaFeedforward | None)
-        )
-
     def loop_transfer(self) -> control.TransferFunction | control.StateSpace:
         """Return L = g·k, the open loop from e to y: L(s), or L(z) of a digital controller.
 
         L(z) is as `sampled_loop_transfer` gives it. Friction, limits and resolution are left out.
         """
-        if self.is_digital:
-            return self.sampled_loop_transfer()
-        if self.axis.sensor == "both":
-            return self._broken_at_torque()
-        plant = self.plant if self._is_ideal else self.axis
-        return _named(plant.transfer() * self.controller_noun.transfer(), "e", "y", "loop")
-
-    def _broken_at_torque(self) -> control.StateSpace:
-        """Return the continuous loop from u to −u_feedback."""
-        o = self.open_loop.without_idle_integral()
-        n = len(o.a)
-        return linear_system(
-            (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
-            0,
-            inputs=["u"],
-            outputs=["u_feedback"],
-            states=[f"x_{i}" for i in range(n)],
-            name="loop",
-        )
+        return open_transfer(self)
 
     def closed_loop(self) -> control.TransferFunction:
         """Return y/r = g·(k + f)/(1 + g·k) of a continuous loop, feedforward included.
 
         It is 1 where Ĵ = J on an `Inertia`.
         """
-        import control
-
-        if not self._is_ideal:
-            return self._closed_transfer()
-        g, k, f = (
-            block.transfer()
-            for block in (self.plant, self.controller, self.feedforward or InertiaFeedforward(0.0))
-        )
-        (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
-        forward = np.polyadd(kn, np.polymul(f.num_array[0, 0], kd))
-        characteristic = np.polyadd(np.polymul(gd, kd), np.polymul(gn, kn))
-        closed = control.tf(np.trim_zeros(np.polymul(gn, forward), "f"), characteristic)
-        return _named(closed, "r", "y", "closed_loop")
-
-    def _closed_transfer(self) -> control.TransferFunction:
-        """Return y/r of any continuous loop: the sum over k of s^k times that from r^(k)."""
-        import control
-
-        system = self.system()
-        below = np.poly(system.A)
-        total = np.zeros(1)
-        for k in range(system.ninputs):
-            column = np.poly(system.A - np.outer(system.B[:, k], system.C[0])) - below
-            total = np.polyadd(total, np.polymul(column, [1.0] + [0.0] * k))
-        closed = control.tf(np.trim_zeros(total, "f"), below)
-        return _named(closed, "r", "y", "closed_loop")
+        return closed_transfer(self)
 
     def sampled_loop_transfer(
         self, dt: float | None = None, *, delay: float | None = None, rate: Rate = "measured"
@@ -206,68 +155,26 @@ class ServoLoop(Frozen):
 
         Examples
         --------
+        >>> from jounce.plant import PID, Inertia
         >>> loop = ServoLoop(Inertia(1.0), PID(kp=1.0, ki=0.0, kr=2.0))
         >>> sampled = loop.sampled_loop_transfer(0.5, delay=0.25)
         >>> round(float(abs(sampled.feedback().poles()).max()), 3)
         0.805
         """
-        if self.is_digital:
-            if dt is not None or delay is not None:
-                raise ValueError(
-                    f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
-                    f"sample_time = {self.controller_noun.sample_time!r} and delay = "
-                    f"{self.controller_noun.delay!r}; leave them out, or replace(controller, …)"
-                )
-            return loop_behind(
-                self._held_plant(), self.controller_noun.sampled(), self.controller_noun.delay
-            )
-        if dt is None:
-            raise ValueError("a continuous controller has no samples: give dt = …")
-        if not isinstance(self.controller, PID):
-            raise ValueError("a continuous controller: give Controller(…, sample_time=dt) for L(z)")
-        plant = self.plant.system() if self._is_ideal else self._rates_plant()
-        delay = 0.0 if delay is None else finite("delay", delay)
-        return loop_behind(plant, self.controller.sampled(dt, rate=rate), delay)
-
-    def _held_plant(self) -> control.StateSpace:
-        """Return the plant from u to what position and velocity are taken from."""
-        return self._plant_rows("y", "y" if self.axis.sensor != "both" else "y_motor")
-
-    def _rates_plant(self) -> control.StateSpace:
-        return self._plant_rows("y", "y_rate")
-
-    def _plant_rows(self, *names: str) -> control.StateSpace:
-        whole = self.axis.system()
-        rows = [whole.output_labels.index(name) for name in names]
-        return linear_system(
-            (whole.A, whole.B[:, :1], whole.C[rows], whole.D[rows, :1]),
-            0,
-            inputs=["u"],
-            outputs=[f"seen_{i}" for i in range(len(rows))],
-            states=whole.state_labels,
-            name="plant",
-        )
+        return sampled_transfer(self, dt, delay, rate)
 
     def sensitivity(self) -> Sensitivity:
         """Return S, T, PS and CS of the linear loop; of a digital one at the samples.
 
         There PS is the response to a torque that is held from sample to sample.
         """
-        axis, controller = self.axis, self.controller_noun
-        if controller.sample_time is None:
-            if axis.sensor == "both":
-                bare = open_loop(axis, controller, Feedforward())
-                return two_encoder_functions(bare, axis.dynamics.load)
-            plant = self.plant if self._is_ideal else axis
-            return continuous_functions(plant.transfer(), controller.transfer())
-        held = zero_order_hold(self._held_plant(), controller.sample_time, delay=controller.delay)
-        return sampled_functions(held, controller.sampled(), one_encoder=axis.sensor != "both")
+        return sensitivity_of(self)
 
     @cached_property
     def _interconnection(self) -> control.StateSpace:
         import control
 
-        if not self._is_ideal:
+        if not known_by_polynomials(self):
             return closed_system(self.axis, self.open_loop)
         plant = self.plant.system()
         outputs = ["y", "e", "u", *plant.output_labels[2:]]
@@ -486,11 +393,3 @@ class ServoLoop(Frozen):
 
 def _sum(signs: list[float], parts: list[str], whole: str) -> control.StateSpace:
     return static_gain([signs], inputs=parts, outputs=[whole], name=f"sum_{whole}")
-
-
-def _named(
-    system: control.TransferFunction, source: str, sink: str, name: str
-) -> control.TransferFunction:
-    import control
-
-    return control.tf(system, inputs=[source], outputs=[sink], name=name)

@@ -221,3 +221,15 @@ def test_a_digital_loop_comes_near_and_a_lead_takes_the_delay_back():
     ahead = Feedforward(inverse.torque, position=inverse.position, lead=2e-3)
     assert error(ahead) < 0.1 * error(inverse)
     assert error(inverse) < 0.25 * error(Feedforward({2: J}))
+
+
+@pytest.mark.parametrize(("zeta", "left"), [(0.005, 3.6e-6), (0.01, 7.0e-6), (0.05, 3.1e-5)])
+def test_what_the_low_frequency_form_leaves_of_a_damped_mode_is_as_its_docstring_says(zeta, left):
+    limits = Limits(velocity=2.0, acceleration=15.0, jerk=400.0, snap=2e4)
+    move = min_time_move(0.5, limits)
+    axis = Axis(2.0, modes=FlexibleMode(20.0, zeta, load_fraction=0.4))
+    loop = ServoLoop(
+        axis, PID(1263.31, 9525.13, 65.3451), low_frequency_feedforward(axis, move, order=4)
+    )
+    response = loop.respond(move, 1e-3, duration=move.duration + 0.5)
+    assert response.peak_load_error == pytest.approx(left, rel=0.02)

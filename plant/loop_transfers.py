@@ -1,0 +1,153 @@
+"""Transfer functions of a servo loop: open, closed, sampled, and S, T, PS and CS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..shaping.checks import finite
+from .closed_systems import (
+    Sensitivity,
+    continuous_functions,
+    sampled_functions,
+    two_encoder_functions,
+)
+from .feedforward import Feedforward, InertiaFeedforward
+from .flexible_inertia import FlexibleInertia
+from .inertia import Inertia
+from .linear_system import linear_system
+from .open_loop import open_loop
+from .pid import PID, Rate
+from .sampled import loop_behind, zero_order_hold
+
+if TYPE_CHECKING:
+    import control
+
+    from .servo_loop import ServoLoop
+
+
+def known_by_polynomials(loop: ServoLoop) -> bool:
+    """Return whether it is one of the ideal loops."""
+    return isinstance(loop.plant, Inertia | FlexibleInertia) and (
+        isinstance(loop.controller, PID)
+        and not loop.controller.derivative_filter
+        and isinstance(loop.feedforward, InertiaFeedforward | None)
+    )
+
+
+def open_transfer(loop: ServoLoop) -> control.TransferFunction | control.StateSpace:
+    """Return L, as `ServoLoop.loop_transfer` says."""
+    if loop.is_digital:
+        return loop.sampled_loop_transfer()
+    if loop.axis.sensor == "both":
+        return _broken_at_torque(loop)
+    plant = loop.plant if known_by_polynomials(loop) else loop.axis
+    return _named(plant.transfer() * loop.controller_noun.transfer(), "e", "y", "loop")
+
+
+def _broken_at_torque(loop: ServoLoop) -> control.StateSpace:
+    """Return the continuous loop from u to −u_feedback."""
+    o = loop.open_loop.without_idle_integral()
+    n = len(o.a)
+    return linear_system(
+        (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),
+        0,
+        inputs=["u"],
+        outputs=["u_feedback"],
+        states=[f"x_{i}" for i in range(n)],
+        name="loop",
+    )
+
+
+def closed_transfer(loop: ServoLoop) -> control.TransferFunction:
+    """Return y/r, as `ServoLoop.closed_loop` says."""
+    import control
+
+    if not known_by_polynomials(loop):
+        return _from_all_derivatives(loop)
+    g, k, f = (
+        block.transfer()
+        for block in (loop.plant, loop.controller, loop.feedforward or InertiaFeedforward(0.0))
+    )
+    (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
+    forward = np.polyadd(kn, np.polymul(f.num_array[0, 0], kd))
+    characteristic = np.polyadd(np.polymul(gd, kd), np.polymul(gn, kn))
+    closed = control.tf(np.trim_zeros(np.polymul(gn, forward), "f"), characteristic)
+    return _named(closed, "r", "y", "closed_loop")
+
+
+def _from_all_derivatives(loop: ServoLoop) -> control.TransferFunction:
+    """Return y/r of any continuous loop: the sum over k of s^k times that from r^(k)."""
+    import control
+
+    system = loop.system()
+    below = np.poly(system.A)
+    total = np.zeros(1)
+    for k in range(system.ninputs):
+        column = np.poly(system.A - np.outer(system.B[:, k], system.C[0])) - below
+        total = np.polyadd(total, np.polymul(column, [1.0] + [0.0] * k))
+    closed = control.tf(np.trim_zeros(total, "f"), below)
+    return _named(closed, "r", "y", "closed_loop")
+
+
+def sampled_transfer(
+    loop: ServoLoop, dt: float | None, delay: float | None, rate: Rate
+) -> control.StateSpace:
+    """Return L(z), as `ServoLoop.sampled_loop_transfer` says."""
+    controller = loop.controller_noun
+    if loop.is_digital:
+        if dt is not None or delay is not None:
+            raise ValueError(
+                f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
+                f"sample_time = {controller.sample_time!r} and delay = "
+                f"{controller.delay!r}; leave them out, or replace(controller, …)"
+            )
+        return loop_behind(_held_plant(loop), controller.sampled(), controller.delay)
+    if dt is None:
+        raise ValueError("a continuous controller has no samples: give dt = …")
+    if not isinstance(loop.controller, PID):
+        raise ValueError("a continuous controller: give Controller(…, sample_time=dt) for L(z)")
+    ideal = known_by_polynomials(loop)
+    plant = loop.plant.system() if ideal else _plant_rows(loop, "y", "y_rate")
+    delay = 0.0 if delay is None else finite("delay", delay)
+    return loop_behind(plant, loop.controller.sampled(dt, rate=rate), delay)
+
+
+def _held_plant(loop: ServoLoop) -> control.StateSpace:
+    """Return the plant from u to what position and velocity are taken from."""
+    return _plant_rows(loop, "y", "y" if loop.axis.sensor != "both" else "y_motor")
+
+
+def _plant_rows(loop: ServoLoop, *names: str) -> control.StateSpace:
+    whole = loop.axis.system()
+    rows = [whole.output_labels.index(name) for name in names]
+    return linear_system(
+        (whole.A, whole.B[:, :1], whole.C[rows], whole.D[rows, :1]),
+        0,
+        inputs=["u"],
+        outputs=[f"seen_{i}" for i in range(len(rows))],
+        states=whole.state_labels,
+        name="plant",
+    )
+
+
+def sensitivity_of(loop: ServoLoop) -> Sensitivity:
+    """Return S, T, PS and CS, as `ServoLoop.sensitivity` says."""
+    axis, controller = loop.axis, loop.controller_noun
+    if controller.sample_time is None:
+        if axis.sensor == "both":
+            bare = open_loop(axis, controller, Feedforward())
+            return two_encoder_functions(bare, axis.dynamics.load)
+        plant = loop.plant if known_by_polynomials(loop) else axis
+        return continuous_functions(plant.transfer(), controller.transfer())
+    held = zero_order_hold(_held_plant(loop), controller.sample_time, delay=controller.delay)
+    return sampled_functions(held, controller.sampled(), one_encoder=axis.sensor != "both")
+
+
+def _named(
+    system: control.TransferFunction, source: str, sink: str, name: str
+) -> control.TransferFunction:
+    import control
+
+    return control.tf(system, inputs=[source], outputs=[sink], name=name)
