@@ -28,7 +28,6 @@ def pytest_collection():
         return (yield)
     finally:
         gc.enable()
-        gc.freeze()
 
 
 def survey_of(name: str):
