@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import inf
 
 import numpy as np
@@ -94,9 +95,9 @@ def position_sides(bound: PositionBound | None) -> tuple[Side, Side]:
     return _side(low), _side(high)
 
 
-def has_zero_side(pairs: list[tuple[Side, Side]]) -> bool:
-    """Tell whether some bound is zero on one side."""
-    return any(bool(np.any(np.equal(side, 0.0))) for pair in pairs for side in pair)
+def has_zero(sides: Iterable[Side]) -> bool:
+    """Tell whether some bound is zero."""
+    return any(bool(np.any(np.equal(side, 0.0))) for side in sides)
 
 
 def _sides_of_array(bounds: FloatArray) -> tuple[FloatArray | None, FloatArray]:

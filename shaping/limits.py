@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import core
-from .bounds import FREE, Bound, PositionBound, Side, has_zero_side, position_sides, sides_of
+from .bounds import FREE, Bound, PositionBound, Side, has_zero, position_sides, sides_of
 from .checks import entries
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
@@ -92,8 +92,7 @@ class Limits(Frozen):
         if known is None:
             self._set((velocity, acceleration, jerk, snap, crackle, pop))
         else:  # at once: it is half of the time that a move takes
-            fields = self.__dict__  # the way around `frozen`
-            fields["lower"], fields["upper"], fields["flat"] = known
+            self._take_plain(known)
 
     @classmethod
     def from_bounds(
@@ -116,9 +115,8 @@ class Limits(Frozen):
 
     def _set(self, bounds: tuple[Bound | None, ...]) -> None:
         known = core.bounds(*bounds)
-        if known is not None and not self.bounds_position:
-            fields = self.__dict__  # the way around `frozen`
-            fields["lower"], fields["upper"], fields["flat"] = known
+        if known is not None and self.position is FREE:
+            self._take_plain(known)
             return
         pairs = [sides_of(bound, k) for k, bound in enumerate(bounds, start=1)]
         while pairs and all(_is_missing(side) for side in pairs[-1] if side is not None):
@@ -135,6 +133,12 @@ class Limits(Frozen):
                 f"limits of shapes {shapes} do not fit: expected shapes of problems that "
                 "broadcast, such as (m,) in all arrays"
             ) from None
+
+    def _take_plain(self, known: tuple[tuple[float, ...], ...]) -> None:
+        """Take bounds that the core knows: numbers, none of them zero."""
+        fields = self.__dict__  # the way around `frozen`
+        fields["lower"], fields["upper"], fields["flat"] = known
+        fields["plain"], fields["bounds_position"] = True, False
 
     def _take(self, pairs: list[tuple[Side | None, Side]]) -> None:
         fields = self.__dict__
@@ -200,9 +204,8 @@ class Limits(Frozen):
     @cached_property
     def plain(self) -> bool:
         """Whether position is free, and no bound zero on a side."""
-        return not self.bounds_position and not has_zero_side(
-            list(zip(self.lower, self.upper, strict=True))
-        )
+        sides = (*self.upper, *self.__dict__.get("lower", ()))  # both ways alike without it
+        return not self.bounds_position and not has_zero(sides)
 
     def bounds(self, derivative: int | str) -> tuple[float, float]:
         """Return (lower, upper) of position or a derivative, given by number or name."""
@@ -286,10 +289,10 @@ def check_plain(limits: Limits) -> None:
 
 def _check_highest(limits: Limits) -> None:
     """Refuse a highest derivative that cannot change its sign."""
-    low, high = limits.lower[-1], limits.upper[-1]
-    if has_zero_side([(low, high)]):
+    if has_zero((limits.upper[-1], *limits.__dict__.get("lower", ())[-1:])):
+        told = _told(limits.lower[-1], limits.upper[-1])
         raise ValueError(
-            f"{derivative_name(limits.order)} limit {_told(low, high)}: the highest derivative "
+            f"{derivative_name(limits.order)} limit {told}: the highest derivative "
             "that is bounded must be free to take both signs; expected a positive number or a "
             "pair (lower, upper) with lower < 0 < upper"
         )

@@ -7,7 +7,7 @@ from math import inf
 from .checks import finite, one_of, positive, whole
 from .limits import Limits
 from .pieces import MAX_ORDER
-from .plain_moves import Method, plain_move
+from .plain_moves import Method, move_at_once, plain_move
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
 
@@ -111,6 +111,10 @@ def min_time_move(
     10.25
     """
     one_of("method", method, ("optimal", "closed-form"))
+    if duration is None and round_to is None:
+        at_once = move_at_once(distance, limits, start)
+        if at_once is not None:
+            return at_once
     if isinstance(limits, Limits) and not (limits.plain and (limits.order < 4 or limits.symmetric)):
         from .general_moves import general_move
 

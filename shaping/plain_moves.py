@@ -13,13 +13,19 @@ Method = Literal["optimal", "closed-form"]
 """How `min_time_move` plans from order 4 on."""
 
 
-def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
-    """Return the fastest move that core, closed forms and half horizon know, positions free."""
+def move_at_once(distance: float, limits: Limits, start: float) -> Trajectory | None:
+    """Return the move of plain numbers that the core plans, to order 3; None for others."""
     try:
         found = core.move(distance, limits.flat, start, Trajectory, None)
-    except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, below
-        found = core.RANGE
-    if not isinstance(found, int):
+    except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, later
+        return None
+    return None if isinstance(found, int) else found
+
+
+def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
+    """Return the fastest move that core, closed forms and half horizon know, positions free."""
+    found = move_at_once(distance, limits, start)
+    if found is not None:
         return found
 
     def plan(length: float, forward: Limits) -> Trajectory:

@@ -88,6 +88,10 @@ def min_time_transfer(
     >>> round(min_time_transfer((0.0, 0.3), 1.0, limits).duration, 10)
     2.2319602829
     """
+    if duration is None and round_to is None:
+        found = _at_once(core.transfer, start, end, limits)
+        if found is not None:
+            return found
     if isinstance(limits, Limits) and (limits.order > 3 or not limits.plain):
         from .whole_transfer import whole_transfer
 
@@ -96,8 +100,7 @@ def min_time_transfer(
         from ..lasting import transfer_lasting
 
         return transfer_lasting(Problem(start, end, limits), duration, round_to)
-    found = _at_once(core.transfer, start, end, limits)
-    return Problem(start, end, limits).fastest() if found is None else found
+    return Problem(start, end, limits).fastest()
 
 
 def velocity_transfer(
