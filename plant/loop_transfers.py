@@ -2,32 +2,70 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ..shaping.checks import finite
+from .axis import Axis
 from .closed_systems import (
     Sensitivity,
     continuous_functions,
     sampled_functions,
     two_encoder_functions,
 )
+from .controller import Controller
 from .feedforward import Feedforward, InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
 from .linear_system import linear_system
-from .open_loop import open_loop
+from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
 from .sampled import loop_behind, zero_order_hold
 
 if TYPE_CHECKING:
     import control
 
-    from .servo_loop import ServoLoop
+
+class Loop(Protocol):
+    """A servo loop, as far as its transfer functions ask."""
+
+    @property
+    def plant(self) -> Any:
+        """The plant as it was given."""
+
+    @property
+    def controller(self) -> Any:
+        """The controller as it was given."""
+
+    @property
+    def feedforward(self) -> Any:
+        """The feedforward as it was given."""
+
+    @property
+    def axis(self) -> Axis:
+        """The plant as an axis."""
+
+    @property
+    def controller_noun(self) -> Controller:
+        """The controller as a noun."""
+
+    @property
+    def is_digital(self) -> bool:
+        """Whether the controller is sampled."""
+
+    @property
+    def open_loop(self) -> OpenLoop:
+        """Axis and continuous controller, the torque not yet connected."""
+
+    def system(self) -> control.StateSpace:
+        """Return the loop whole."""
+
+    def sampled_loop_transfer(self) -> control.StateSpace:
+        """Return L(z)."""
 
 
-def known_by_polynomials(loop: ServoLoop) -> bool:
+def known_by_polynomials(loop: Loop) -> bool:
     """Return whether it is one of the ideal loops."""
     return isinstance(loop.plant, Inertia | FlexibleInertia) and (
         isinstance(loop.controller, PID)
@@ -36,7 +74,7 @@ def known_by_polynomials(loop: ServoLoop) -> bool:
     )
 
 
-def open_transfer(loop: ServoLoop) -> control.TransferFunction | control.StateSpace:
+def open_transfer(loop: Loop) -> control.TransferFunction | control.StateSpace:
     """Return L, as `ServoLoop.loop_transfer` says."""
     if loop.is_digital:
         return loop.sampled_loop_transfer()
@@ -46,7 +84,7 @@ def open_transfer(loop: ServoLoop) -> control.TransferFunction | control.StateSp
     return _named(plant.transfer() * loop.controller_noun.transfer(), "e", "y", "loop")
 
 
-def _broken_at_torque(loop: ServoLoop) -> control.StateSpace:
+def _broken_at_torque(loop: Loop) -> control.StateSpace:
     """Return the continuous loop from u to −u_feedback."""
     o = loop.open_loop.without_idle_integral()
     n = len(o.a)
@@ -60,7 +98,7 @@ def _broken_at_torque(loop: ServoLoop) -> control.StateSpace:
     )
 
 
-def closed_transfer(loop: ServoLoop) -> control.TransferFunction:
+def closed_transfer(loop: Loop) -> control.TransferFunction:
     """Return y/r, as `ServoLoop.closed_loop` says."""
     import control
 
@@ -77,7 +115,7 @@ def closed_transfer(loop: ServoLoop) -> control.TransferFunction:
     return _named(closed, "r", "y", "closed_loop")
 
 
-def _from_all_derivatives(loop: ServoLoop) -> control.TransferFunction:
+def _from_all_derivatives(loop: Loop) -> control.TransferFunction:
     """Return y/r of any continuous loop: the sum over k of s^k times that from r^(k)."""
     import control
 
@@ -92,7 +130,7 @@ def _from_all_derivatives(loop: ServoLoop) -> control.TransferFunction:
 
 
 def sampled_transfer(
-    loop: ServoLoop, dt: float | None, delay: float | None, rate: Rate
+    loop: Loop, dt: float | None, delay: float | None, rate: Rate
 ) -> control.StateSpace:
     """Return L(z), as `ServoLoop.sampled_loop_transfer` says."""
     controller = loop.controller_noun
@@ -114,12 +152,12 @@ def sampled_transfer(
     return loop_behind(plant, loop.controller.sampled(dt, rate=rate), delay)
 
 
-def _held_plant(loop: ServoLoop) -> control.StateSpace:
+def _held_plant(loop: Loop) -> control.StateSpace:
     """Return the plant from u to what position and velocity are taken from."""
     return _plant_rows(loop, "y", "y" if loop.axis.sensor != "both" else "y_motor")
 
 
-def _plant_rows(loop: ServoLoop, *names: str) -> control.StateSpace:
+def _plant_rows(loop: Loop, *names: str) -> control.StateSpace:
     whole = loop.axis.system()
     rows = [whole.output_labels.index(name) for name in names]
     return linear_system(
@@ -132,7 +170,7 @@ def _plant_rows(loop: ServoLoop, *names: str) -> control.StateSpace:
     )
 
 
-def sensitivity_of(loop: ServoLoop) -> Sensitivity:
+def sensitivity_of(loop: Loop) -> Sensitivity:
     """Return S, T, PS and CS, as `ServoLoop.sensitivity` says."""
     axis, controller = loop.axis, loop.controller_noun
     if controller.sample_time is None:
