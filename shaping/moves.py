@@ -7,7 +7,7 @@ from math import inf
 from .checks import finite, one_of, positive, whole
 from .limits import Limits
 from .pieces import MAX_ORDER
-from .plain_moves import Method, move_at_once, plain_move
+from .plain_moves import Method, formed_move, move_at_once
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
 
@@ -83,7 +83,7 @@ def min_time_move(
     rigorous bounds, by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), "optimal" by at
     most 0.01 %; `certify` proves how near it is. It takes 20 to 120 ms at orders 4 to 6, half a
     second at orders 8 to 10 and some seconds with limits many decades apart, a closed form less
-    than one millisecond. Closed forms change smoothly with their limits, moves of "optimal" to
+    than one millisecond, two where bounds differ between directions. Closed forms change smoothly with their limits, moves of "optimal" to
     within their gap only.
 
     Bounds that differ between directions are used exactly, those on even derivatives from n = 4 to
@@ -126,7 +126,7 @@ def min_time_move(
 
         fastest_move = min_time_move(distance, limits, start=start, method=method)
         return move_lasting(fastest_move, limits, duration, round_to)
-    return plain_move(distance, limits, start, method)
+    return formed_move(distance, limits, start, method)
 
 
 def perfect_spline(distance: float, order: int, bound: float, *, start: float = 0.0) -> Trajectory:

@@ -25,8 +25,11 @@ def move_at_once(distance: float, limits: Limits, start: float) -> Trajectory | 
 def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
     """Return the fastest move that core, closed forms and half horizon know, positions free."""
     found = move_at_once(distance, limits, start)
-    if found is not None:
-        return found
+    return formed_move(distance, limits, start, method) if found is None else found
+
+
+def formed_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
+    """Return the move that the core does not plan at once; errors are told here."""
 
     def plan(length: float, forward: Limits) -> Trajectory:
         move = within_range(lambda: fastest(length, forward))
