@@ -110,6 +110,12 @@ def check_orders(limits: Limits) -> None:
 
 def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float, float]:
     """Return (position, velocity, acceleration), checked; acceleration is zero for order 2."""
+    x, v, a = (*checked_numbers(name, given, limits), 0.0)[:3]
+    return x, v, a
+
+
+def checked_numbers(name: str, given: State, limits: Limits) -> tuple[float, ...]:
+    """Return the n numbers of a state, checked; those left out are zero."""
     numbers = state_numbers(name, given)
     n = limits.order
     if not 1 <= len(numbers) <= n + 1:
@@ -119,5 +125,4 @@ def checked_state(name: str, given: State, limits: Limits) -> tuple[float, float
             f"be left out where they are zero, and {derivative_name(n)}, not used, may follow"
         )
     checked = [finite(f"{name} {derivative_name(k)}", value) for k, value in enumerate(numbers)]
-    x, v, a = (*checked[:n], 0.0, 0.0)[:3]
-    return x, v, a
+    return tuple((*checked[:n], *[0.0] * n)[:n])

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..checks import finite, positive, state_numbers
-from ..derivatives import derivative_name
+from ..checks import finite, positive
 from ..limits import Limits, of_one
 from ..moves import min_time_move
 from ..optimal.whole.lasting import lasting, next_duration
 from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
-from ..real_numbers import shown
 from ..trajectory import Trajectory, point
-from .problem import State, Transfer
+from .problem import State, Transfer, checked_numbers
 
 
 def whole_transfer(
@@ -26,7 +24,7 @@ def whole_transfer(
     check_whole(of_one(limits))
     rtol = positive("rtol", rtol)
     begin, finish = (
-        inside_bounds(name, numbers_of(name, state, limits), limits)
+        inside_bounds(name, checked_numbers(name, state, limits), limits)
         for name, state in (("start", start), ("end", end))
     )
     finite("the distance between start and end", finish[0] - begin[0])
@@ -54,26 +52,14 @@ class WholeProblem:
 
     def next_duration(self, duration: float) -> float:
         """Return the shortest possible duration found that is no less; infinite for none."""
-        start = numbers_of("start", self.start, self.limits)
-        return next_duration(start, numbers_of("end", self.end, self.limits), self.limits, duration)
+        start = checked_numbers("start", self.start, self.limits)
+        return next_duration(
+            start, checked_numbers("end", self.end, self.limits), self.limits, duration
+        )
 
     def lasting(self, duration: float) -> Transfer:
         """Return a transfer of a possible duration."""
         return whole_transfer(self.start, self.end, self.limits, (duration, None), 1e-4)
-
-
-def numbers_of(name: str, given: State, limits: Limits) -> tuple[float, ...]:
-    """Return the n numbers of a state, checked; those left out are zero."""
-    numbers = state_numbers(name, given)
-    n = limits.order
-    if not 1 <= len(numbers) <= n + 1:
-        named = ", ".join(derivative_name(k) for k in range(n))
-        raise ValueError(
-            f"{name} = {shown(given)}: expected ({named}) for limits of order {n}; the last may "
-            f"be left out where they are zero, and {derivative_name(n)}, not used, may follow"
-        )
-    checked = [finite(f"{name} {derivative_name(k)}", value) for k, value in enumerate(numbers)]
-    return tuple((*checked[:n], *[0.0] * n)[:n])
 
 
 def _standing(state: tuple[float, ...]) -> Trajectory:
