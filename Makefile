@@ -18,7 +18,7 @@ BROAD := tests/test_packaging.py tests/test_public_names.py \
 	tests/app/test_raw_output.py tests/app/test_units.py
 
 .PHONY: survey test test-slow test-sanitize test-lowest test-newest check check-core wheel format
-.PHONY: benchmark readme clean
+.PHONY: benchmark readme docs clean
 
 survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
@@ -99,6 +99,10 @@ benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m compileall -q jounce core shaping plant fmu analysis plots app # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 
+# The site, in out/site; a page that is not right ends it.
+docs: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/site
+
 # The stamp files keep a second run from installing again.
 $(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 	$(PYTHON) -m venv $(VENV)
@@ -108,6 +112,10 @@ $(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python $(INSTALL) ".[dev]"
+	touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(BIN)/python $(INSTALL) ".[docs]"
 	touch $@
 
 clean:

@@ -50,14 +50,14 @@ class Limits(Frozen):
     ValueError
         For a bound that is not positive, a pair that does not enclose zero, one of positions
         that does not increase, a NaN, no bound on a derivative, or arrays that do not fit.
+    TypeError
+        For a bound that is not a number, a pair of numbers, or an array of them.
 
     Notes
     -----
     `min_time_move`, `min_time_transfer` and what tells of one motion (`certify`,
     `binding_limits`, `violation`) take bounds on position and bounds that are zero on a side;
     everything else takes neither and says so.
-    TypeError
-        For a bound that is not a number, a pair of numbers, or an array of them.
 
     Examples
     --------

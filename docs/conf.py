@@ -1,0 +1,90 @@
+"""Sphinx's settings of the site (`make docs`)."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from importlib.metadata import version as installed
+from pathlib import Path
+from typing import Any
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+
+from reference_pages import write_reference_pages  # noqa: E402 (found by the line above)
+
+project = "jounce"
+author = "The jounce authors"
+copyright = author
+version = release = installed("jounce")
+
+templates_path = ["_templates"]
+exclude_patterns = ["**.ipynb_checkpoints"]
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx-mathjax-offline",  # no request leaves the page
+    "sphinx.ext.viewcode",
+    "numpydoc",
+    "myst_nb",
+    "sphinx_design",
+]
+
+autosummary_generate = True
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(DOCS.parent / "out" / "executed")
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+
+html_theme = "pydata_sphinx_theme"
+html_title = "jounce"
+html_theme_options = {
+    "navbar_end": ["theme-switcher", "navbar-icon-links"],
+    "secondary_sidebar_items": ["page-toc"],
+    "show_prev_next": False,
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "github_url": "https://github.com/jounce-control/jounce",
+}
+html_context = {"default_mode": "auto"}
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+
+SOURCES = "https://github.com/jounce-control/jounce/blob/HEAD/"
+
+
+def links_of_the_site(_app: object, page: str, source: list[str]) -> None:
+    """Lead links that leave this folder to the site's own notebooks, else to the repository."""
+    notebook = r"\[([^]]+)\]\(\.\./notebooks/(\w+)\.ipynb\)"
+    source[0] = re.sub(notebook, r"{doc}`\1 </notebooks/\2>`", source[0])
+    if "/" not in page:
+        source[0] = re.sub(r"\]\(\.\./", f"]({SOURCES}", source[0])
+
+
+def plain_bars(
+    _app: object, _what: str, _name: str, _of: object, _: object, lines: list[str]
+) -> None:
+    """Let |L| be a magnitude, not a substitution of reStructuredText."""
+    lines[:] = [line if "``" in line else line.replace("|", "\\|") for line in lines]
+
+
+def bring_pages() -> None:
+    """Bring the notebooks and the changelog below the folder that Sphinx reads."""
+    link = DOCS / "notebooks"  # no copies: they are run where they stand
+    if not link.exists():
+        link.symlink_to(DOCS.parent / "notebooks", target_is_directory=True)
+    shutil.copy(DOCS.parent / "CHANGELOG.md", DOCS / "changelog.md")
+
+
+def setup(app: Any) -> None:
+    """Connect what is done before and while the pages are read."""
+    write_reference_pages(DOCS / "reference")
+    bring_pages()
+    app.connect("source-read", links_of_the_site)
+    app.connect("autodoc-process-docstring", plain_bars)
