@@ -226,9 +226,7 @@ def survey(
     >>> found.requirements[0].met, round(found.moves[0].configured.load_settling_time_s, 2)
     (True, 3.64)
     """
-    margins = loop_margins(loop)
-    if not margins.stable:
-        raise UnstableLoopError(_unstable(margins))
+    margins = stable_margins(loop)
     poles = decaying_poles(margins)
     loops = compared_loops(loop, inertia_error)
     compliance, noise_gain = _peaks(loop)
@@ -251,6 +249,14 @@ def survey(
         labels=labels or Labels(),
     )
     return replace(found, requirements=requirement_checks(found, requirements))
+
+
+def stable_margins(loop: ServoLoop) -> LoopMargins:
+    """Return the margins of a loop; UnstableLoopError if it is unstable."""
+    margins = loop_margins(loop)
+    if not margins.stable:
+        raise UnstableLoopError(_unstable(margins))
+    return margins
 
 
 def _unstable(margins: LoopMargins) -> str:

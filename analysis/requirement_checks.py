@@ -85,10 +85,11 @@ def requirement_checks(
     ValueError
         For a figure of a move that there is not, or of what the survey was not told.
     """
-    return tuple(RequirementCheck(asked, _figure(survey, asked)) for asked in requirements)
+    return tuple(RequirementCheck(asked, figure_of(survey, asked)) for asked in requirements)
 
 
-def _figure(survey: Any, asked: Requirement) -> float:
+def figure_of(survey: Any, asked: Requirement) -> float:
+    """Return the figure that a requirement bounds, in SI units."""
     name = asked.figure
     if name in OF_MOVES:
         return _worst(

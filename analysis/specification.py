@@ -58,6 +58,14 @@ FIGURES: MappingProxyType[str, FigureUnit] = MappingProxyType(
 )
 """The figures of a survey that can be required, each with what it is measured in."""
 
+HIGHER_IS_BETTER = frozenset(
+    {
+        *("phase_margin", "lower_gain_margin", "upper_gain_margin", "delay_margin"),
+        *("modulus_margin", "disk_margin"),
+    }
+)
+"""Figures of which the least is the worst; of the others it is the greatest."""
+
 OF_MOVES = (
     "duration",
     "settling",

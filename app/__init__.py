@@ -8,28 +8,41 @@ if TYPE_CHECKING:
     from .gate import CheckError, GateReport, check_scenario
     from .scenario import Scenario, ScenarioError, load_scenario
     from .scenario_survey import ScenarioSurvey, survey_file
+    from .sweeps.parameters import LogUniform, Normal, Uniform
+    from .sweeps.result import ScenarioSweep
+    from .sweeps.run import sweep
 
 # Imported when they are first asked for, so that the command line starts soon.
 _LATER = {
     "CheckError": "gate",
     "GateReport": "gate",
+    "LogUniform": "sweeps.parameters",
+    "Normal": "sweeps.parameters",
     "Scenario": "scenario",
     "ScenarioError": "scenario",
     "ScenarioSurvey": "scenario_survey",
+    "ScenarioSweep": "sweeps.result",
+    "Uniform": "sweeps.parameters",
     "check_scenario": "gate",
     "load_scenario": "scenario",
     "survey_file": "scenario_survey",
+    "sweep": "sweeps.run",
 }
 
 __all__ = [
     "CheckError",
     "GateReport",
+    "LogUniform",
+    "Normal",
     "Scenario",
     "ScenarioError",
     "ScenarioSurvey",
+    "ScenarioSweep",
+    "Uniform",
     "check_scenario",
     "load_scenario",
     "survey_file",
+    "sweep",
 ]
 
 __getattr__, __dir__ = later(__name__, _LATER, __all__)

@@ -16,6 +16,7 @@ from .export_commands import export_app
 from .fmu_commands import fmu_app
 from .frf_command import frf_command
 from .printing import message_of, print_parts
+from .sweep_command import sweep_command
 from .usage import USAGE_ERRORS, unknown_option, usage_message
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 app.command("check")(check_command)
 app.command("frf")(frf_command)
+app.command("sweep")(sweep_command)
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(export_app, name="export")
 

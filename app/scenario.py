@@ -141,7 +141,13 @@ def load_scenario(
         problem, with the file, the key, the value, and what to write.
     """
     path = Path(path)
-    content = _read(path)
+    return scenario_of(path, read_content(path), overrides)
+
+
+def scenario_of(
+    path: Path, content: dict[str, Any], overrides: Mapping[str, Any] | None = None
+) -> Scenario:
+    """Return the scenario of a file's content, into which the overrides are put."""
     try:
         placed = override(content, overrides or {})
     except ValueError as error:
@@ -195,7 +201,8 @@ def _whose(problem: Any, placed: Mapping[Place, str]) -> str:
     return "override " if given else ""
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_content(path: Path) -> dict[str, Any]:
+    """Return what a scenario file holds, unchecked; ScenarioError where it cannot be read."""
     try:
         content = read_toml(path, "a scenario file (TOML)")
     except ValueError as error:

@@ -23,6 +23,7 @@ from .motions import plot_following, plot_motions, plot_phase_plane, plot_trajec
 from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
 from .survey_details import plot_survey_details
+from .sweep import plot_scatter_matrix, plot_sweep
 
 __all__ = [
     "draw",
@@ -42,8 +43,10 @@ __all__ = [
     "plot_null_by_size",
     "plot_periodic_response",
     "plot_phase_plane",
+    "plot_scatter_matrix",
     "plot_survey",
     "plot_survey_details",
+    "plot_sweep",
     "plot_synchronized",
     "plot_tour",
     "plot_trajectory",

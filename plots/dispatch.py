@@ -22,6 +22,7 @@ from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..analysis.measured import MeasuredResponse
+from ..analysis.sweep_result import SweepResult
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..plant import LoopResponse
 from ..shaping import FollowerResponse, Synchronized, Tour, Trajectory
@@ -46,6 +47,7 @@ from .measured import plot_measured_response
 from .motions import plot_following, plot_trajectory
 from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
+from .sweep import plot_sweep
 
 Picture = Callable[..., Axes | Figure]
 
@@ -111,6 +113,7 @@ _PANELS: dict[type, Picture] = {
     CosimulationResult: plot_cosimulation,
     TunedLimits: plot_tuned_limits,
     MeasuredResponse: plot_measured_response,
+    SweepResult: plot_sweep,
 }
 _SINGLE: dict[type, Picture] = {
     FollowerResponse: plot_following,

@@ -1,0 +1,133 @@
+"""The command `jounce sweep`: a scenario at many values of what is not known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .printing import print_parts
+from .tables import plain_table
+
+if TYPE_CHECKING:
+    from .sweeps.result import ScenarioSweep
+
+
+def sweep_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    sweep_file: Annotated[
+        Path, typer.Argument(help="What varies, how it is sampled, what is kept (TOML).")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder; a sweep that was stopped goes on.")
+    ],
+    workers: Annotated[int | None, typer.Option(help="Processes. Default: all processors.")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask cluster, such as tcp://10.0.0.1:8786.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON.")] = False,
+) -> None:
+    """Sweep a scenario: figures at many values of its keys, worst cases, yield, influences.
+
+    The folder has `sweep.zarr`, the dataset; `worst_….toml`, a scenario for each figure that
+    reproduces its worst value; pictures.
+    """
+    from .sweeps.run import sweep
+    from .sweeps.sweep_file import read_sweep_file
+
+    asked = read_sweep_file(sweep_file)
+    output.mkdir(parents=True, exist_ok=True)
+    client = _client(scheduler)
+    try:
+        found = sweep(
+            scenario, **asked, output=output / "sweep.zarr", workers=workers, client=client
+        )
+    finally:
+        if client is not None:
+            client.close()
+    files = _write(found, output)
+    if as_json:
+        print_parts(json.dumps(_answers(found), indent=2))
+        return
+    print_parts(*_told(found), f"Wrote {', '.join(sorted(files))} to {output}")
+
+
+def _client(scheduler: str | None) -> Any:
+    if scheduler is None:
+        return None
+    try:
+        from dask.distributed import Client
+    except ImportError:
+        from .sweeps.store import NEEDS
+
+        raise ValueError(NEEDS) from None
+    try:
+        return Client(scheduler, timeout="10s")
+    except OSError as error:
+        raise ValueError(f"--scheduler {scheduler}: nobody answers there ({error})") from None
+
+
+def _write(found: ScenarioSweep, output: Path) -> list[str]:
+    """Write the worst cases and the pictures; return the names of all files."""
+    names = ["sweep.zarr"]
+    for figure in found.figures:
+        if not found.has(figure):
+            continue
+        path = output / f"worst_{figure.replace('/', '_').replace(' ', '_')}.toml"
+        path.unlink(missing_ok=True)
+        found.worst(figure).save(path)
+        names.append(path.name)
+        picture = path.with_name(path.name.replace("worst_", "").replace(".toml", ".png"))
+        found.plot(figure).savefig(picture)
+        names.append(picture.name)
+    return names
+
+
+def _answers(found: ScenarioSweep) -> dict[str, Any]:
+    """Return what a sweep says, for JSON."""
+    required = found.met() if found.requirements else None
+    return {
+        "points": found.dataset.sizes["point"],
+        "failures": {str(point): reason for point, reason in found.failures().items()},
+        "yield": None if required is None else {**vars(required), "fraction": required.fraction},
+        "worst": {
+            figure: {
+                "value": found.worst(figure).figures[figure],
+                "unit": found.dataset[figure].attrs["units"],
+                "overrides": dict(found.worst(figure).overrides),
+            }
+            for figure in found.figures
+            if found.has(figure)
+        },
+        "swings": {figure: found.swings(figure) for figure in found.figures if found.has(figure)},
+    }
+
+
+def _told(found: ScenarioSweep) -> list[object]:
+    """Return the tables of a sweep."""
+    import numpy as np
+
+    table = plain_table(
+        f"{found.dataset.attrs['title']}: {found.dataset.sizes['point']} points",
+        *("", "median", "worst", "at"),
+    )
+    for figure in found.figures:
+        unit = found.dataset[figure].attrs["units"]
+        name = f"{figure} [{unit}]" if unit else figure
+        if not found.has(figure):
+            table.add_row(name, "none", "none", "")
+            continue
+        case, values = found.worst(figure), found.values(figure)
+        where = ", ".join(f"{key} = {case.overrides[key]}" for key in found.parameters)
+        median = float(np.nanmedian(values))
+        table.add_row(name, f"{median:.5g}", f"{case.figures[figure]:.5g}", where)
+    told: list[object] = [table]
+    if found.requirements:
+        told.append(f"{found.met()}.")
+    failures = found.failures()
+    if failures:
+        point, reason = next(iter(failures.items()))
+        told.append(f"{len(failures)} points failed; point {point}: {reason}")
+    return told

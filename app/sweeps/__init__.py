@@ -1,0 +1,1 @@
+"""Sweeps: a scenario at many values of what is not known, and what becomes of its figures."""

@@ -1,0 +1,96 @@
+"""A sweep of a scenario file: its answers lead back to scenarios."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from ...analysis.sweep_result import SweepResult
+from ..overrides import override
+from ..scenario import Scenario, scenario_of
+from .figures import Problem
+from .store import NEEDS
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of a sweep.
+
+    Attributes
+    ----------
+    point : int
+        Its number in the dataset.
+    figures : mapping of str to float
+        In the dataset's units.
+    overrides : mapping of str to object
+        What is put into the scenario file, held gains included: what `load_scenario` takes.
+    """
+
+    point: int
+    figures: Mapping[str, float]
+    overrides: Mapping[str, object]
+    problem: Problem
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of this point."""
+        content = dict(json.loads(json.dumps(self.problem.content)))
+        return scenario_of(self.problem.path, content, self.overrides)
+
+    def save(self, path: str | Path) -> None:
+        """Write the scenario to a file that gives these figures; FileExistsError if it is there."""
+        import tomlkit
+
+        document: Any = tomlkit.parse(tomlkit.dumps(self.problem.content))
+        override(document, self.overrides)
+        with Path(path).open("x", encoding="utf-8") as file:
+            file.write(tomlkit.dumps(document))
+
+
+class ScenarioSweep(SweepResult):
+    """The sweep of a scenario file: `SweepResult` with the scenarios behind its points."""
+
+    @classmethod
+    def load(cls, path: str | Path) -> ScenarioSweep:
+        """Return a sweep that was saved as ``….zarr`` or ``….nc``; ValueError for anything else."""
+        try:
+            import xarray
+        except ImportError:
+            raise ImportError(NEEDS) from None
+        path = Path(path)
+        if path.suffix == ".nc":
+            return cls(xarray.open_dataset(path, engine="h5netcdf").load())
+        if path.suffix == ".zarr":
+            return cls(xarray.open_zarr(path, chunks=None).load())
+        raise ValueError(f"{path}: expected a sweep, ….zarr or ….nc")
+
+    def worst(self, figure: str, side: Literal["lowest", "highest"] | None = None) -> Case:
+        """Return the case in which a figure is worst; `SweepResult.worst_point` says of what."""
+        return self.case(self.worst_point(figure, side))
+
+    def case(self, point: int) -> Case:
+        """Return one point with its scenario."""
+        attributes = self.dataset.attrs
+        problem = Problem(
+            Path(attributes["scenario"]),
+            json.loads(attributes["content"]),
+            self.parameters,
+            self.figures,
+            bool(attributes["hold_gains"]),
+        )
+        values = [_as_given(self.dataset[name], point) for name in self.parameters]
+        figures = {name: float(self.dataset[name].values[point]) for name in self.figures}
+        return Case(point, figures, problem.overrides(values), problem)
+
+
+def _as_given(column: xarray.DataArray, point: int) -> object:
+    value, unit = column.values[point], column.attrs.get("units", "")
+    if column.dtype.kind != "f":
+        return str(value)
+    return f"{float(value)!r} {unit}" if unit else float(value)

@@ -1,0 +1,236 @@
+"""Sweeps of a scenario: the points, what is kept, what they answer, stopping and going on."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from swept_axis import AXIS
+
+from jounce.app import LogUniform, Normal, ScenarioSweep, Uniform, survey_file, sweep
+
+INERTIA = {"plant.inertia": Uniform("1.5 kg m^2", "2500 g m^2")}
+QUICK = ("phase_margin", "crossover")
+
+
+@pytest.fixture
+def axis(tmp_path) -> Path:
+    path = tmp_path / "axis.toml"
+    path.write_text(AXIS, encoding="utf-8")
+    return path
+
+
+def test_a_grid_has_every_value_with_every_other_and_the_survey_s_numbers(axis):
+    keys = {
+        "limits.drive.jerk": ["300 deg/s^3", "900 deg/s^3"],
+        "plant.inertia": ["2 kg m^2", "3 kg m^2"],
+    }
+    found = sweep(
+        axis, keys, figures=["load_settling", "phase_margin"], workers=1, hold_gains=False
+    )
+    data = found.dataset
+    assert data["limits.drive.jerk"].values.tolist() == [300.0, 300.0, 900.0, 900.0]
+    assert data["plant.inertia"].values.tolist() == [2.0, 3.0, 2.0, 3.0]
+    assert data["plant.inertia"].attrs["units"] == "kg m^2"
+    assert data["load_settling"].attrs["units"] == "s"
+    alone = survey_file(
+        axis, overrides={"limits.drive.jerk": "900 deg/s^3", "plant.inertia": "3 kg m^2"}
+    )
+    assert data["load_settling"].values[3] == alone.moves[0].configured.load_settling_time_s
+    assert data["phase_margin"].values[3] == alone.margins.phase_margin_deg
+
+
+def test_gains_are_held_where_the_plant_varies(axis):
+    inertias = ["1 kg m^2", "2 kg m^2", "4 kg m^2"]
+    held = sweep(axis, {"plant.inertia": inertias}, figures=QUICK, workers=1)
+    anew = sweep(axis, {"plant.inertia": inertias}, figures=QUICK, workers=1, hold_gains=False)
+    assert held.values("crossover")[0] > 1.5 * held.values("crossover")[2]
+    assert held.values("crossover")[1] == pytest.approx(2.0, rel=1e-6)
+    assert anew.values("crossover") == pytest.approx([2.0, 2.0, 2.0], rel=1e-6)
+
+
+def test_the_worst_case_is_a_file_that_gives_its_figures(axis, tmp_path):
+    found = sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1)
+    case = found.worst("phase_margin")
+    assert case.figures["phase_margin"] == found.values("phase_margin").min()
+    case.save(tmp_path / "worst.toml")
+    alone = survey_file(tmp_path / "worst.toml")
+    assert alone.margins.phase_margin_deg == case.figures["phase_margin"]
+    assert case.scenario.inertia == pytest.approx(found.dataset["plant.inertia"].values[case.point])
+    with pytest.raises(FileExistsError):
+        case.save(tmp_path / "worst.toml")
+
+
+def test_the_numbers_do_not_depend_on_who_works_them_out(axis):
+    here = sweep(axis, INERTIA, figures=QUICK, samples=20, workers=1)
+    there = sweep(axis, INERTIA, figures=QUICK, samples=20, workers=2)
+    assert here.dataset.drop_vars("failure").equals(there.dataset.drop_vars("failure"))
+
+
+def test_a_point_that_fails_is_told_and_ends_nothing(axis):
+    found = sweep(axis, {"plant.inertia": ["2 kg m^2", "1000 kg m^2"]}, figures=QUICK, workers=1)
+    [(point, reason)] = found.failures().items()
+    assert point == 1
+    assert "UNSTABLE" in reason
+    assert np.isnan(found.values("phase_margin")[1])
+    assert (found.met().met, found.met().points) == (1, 2)
+
+
+@pytest.mark.parametrize("name", ["sweep.zarr", "sweep.nc"])
+def test_it_is_saved_and_read_as_it_was(axis, tmp_path, name):
+    found = sweep(axis, INERTIA, figures=QUICK, samples=5, workers=1, output=tmp_path / name)
+    again = ScenarioSweep.load(tmp_path / name)
+    assert again.dataset.equals(found.dataset)
+    assert again.worst("crossover").overrides == found.worst("crossover").overrides
+    assert [path.name for path in tmp_path.iterdir() if "sweep" in path.name] == [name]
+
+
+STOPPED = """
+import sys
+from jounce.app import Uniform, sweep
+if __name__ == "__main__":
+    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=4000,
+          figures=["phase_margin"], output=sys.argv[2], workers=1)
+"""
+
+
+def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
+    script, folder = tmp_path / "stopped.py", tmp_path / "sweep.zarr"
+    script.write_text(STOPPED, encoding="utf-8")
+    process = subprocess.Popen([sys.executable, script, axis, folder])
+    deadline = time.monotonic() + 60.0
+    while done_in(folder) < 64:
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    before = done_in(folder)
+    assert 64 <= before < 4000
+    seen = []
+
+    from jounce.app.sweeps.figures import Problem
+
+    def counted(_, values):
+        seen.append(values)
+        return (1.0,), ""
+
+    monkeypatch.setattr(Problem, "evaluate", counted)
+    parameters = {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}
+    whole = sweep(
+        axis, parameters, samples=4000, figures=["phase_margin"], output=folder, workers=1
+    )
+    assert len(seen) == 4000 - before
+    assert whole.dataset["done"].values.all()
+    assert (whole.values("phase_margin") > 10.0).sum() == before
+
+
+def done_in(folder: Path) -> int:
+    if not (folder / ".zmetadata").exists():
+        return 0
+    return int(xarray.open_zarr(folder, chunks=None)["done"].values.sum())
+
+
+def test_another_sweep_is_not_mixed_in(axis, tmp_path):
+    sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "a.zarr")
+    with pytest.raises(ValueError, match="holds another sweep, of other points"):
+        sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.zarr")
+    with pytest.raises(ValueError, match=r"ends in \.zarr or \.nc"):
+        sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.csv")
+
+
+def test_sobol_s_indices_find_what_matters(axis):
+    """Crossover of a held gain over J: k/J to first order, and nearly nothing of the mode."""
+    keys = {
+        "plant.inertia": LogUniform("1.8 kg m^2", "2.2 kg m^2"),
+        "plant.modes.top.damping": Uniform("1 %", "3 %"),
+    }
+    found = sweep(axis, keys, figures=["crossover"], samples=16, design="sensitivity", workers=1)
+    indices = found.influences("crossover")
+    assert indices["plant.inertia"].first > 0.9
+    assert indices["plant.modes.top.damping"].total < 0.05
+    assert next(iter(found.swings("crossover"))) == "plant.inertia"
+    with pytest.raises(ValueError, match="design='sensitivity'"):
+        sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1).influences("crossover")
+
+
+def test_samples_have_the_distributions_asked_for():
+    assert [Uniform("1 Hz", "3 Hz").at(f) for f in (0.0, 0.25, 1.0)] == [1.0, 1.5, 3.0]
+    assert LogUniform(1.0, 100.0).at(0.5) == pytest.approx(10.0, rel=1e-14)
+    assert Normal("6 Hz", "200 mHz").at(0.8413447460685429) == pytest.approx(6.2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({}, "nothing varies"),
+        ({"plant.inertia": "2 kg m^2"}, "expected a list of values, or Uniform"),
+        ({"plant.inertia": []}, "expected a list of values"),
+        ({"plant.inertias": ["2 kg m^2"]}, "inertias"),
+    ],
+)
+def test_parameters_that_do_not_fit_are_refused(axis, given, told):
+    with pytest.raises(ValueError, match=told) as refused:
+        sweep(axis, given, figures=QUICK, workers=1)
+    assert "\n" not in str(refused.value)
+
+
+def test_other_bad_input_is_refused(axis):
+    for asked, told in (
+        ({"figures": ["settle"], "samples": 2}, "settle"),
+        ({"figures": QUICK, "samples": 0}, "samples = 0"),
+        ({"figures": QUICK, "samples": 4, "design": "grid"}, "leave samples out"),
+        ({"figures": QUICK, "design": "grid"}, "which has no grid"),
+        ({"figures": QUICK, "samples": 12, "design": "sensitivity"}, "such as 16"),
+        ({"figures": QUICK, "samples": 4, "workers": 0}, "workers = 0"),
+    ):
+        with pytest.raises(ValueError, match=told):
+            sweep(axis, INERTIA, **asked)
+    with pytest.raises(ValueError, match="high = '1 Hz'"):
+        Uniform("2 Hz", "1 Hz")
+    with pytest.raises(ValueError, match="positive value"):
+        LogUniform("-1 Hz", "1 Hz")
+
+
+def test_the_pareto_front_is_what_nothing_beats():
+    generator = np.random.default_rng(3)
+    x, y = generator.random((2, 200))
+    data = xarray.Dataset(
+        {"settling": ("point", x), "modulus_margin": ("point", y), "done": ("point", x > -1.0)},
+        attrs={"figures": ["settling", "modulus_margin"], "parameters": ["a"], "design": "sobol"},
+    )
+    front = ScenarioSweep(data).pareto("settling", "modulus_margin")
+    slow = [
+        i for i in range(200) if not ((x < x[i]) & (y >= y[i]) | (x <= x[i]) & (y > y[i])).any()
+    ]
+    assert sorted(front["settling"].values) == sorted(x[slow])
+
+
+def test_the_command_prints_answers_and_writes_files(axis, tmp_path, run):
+    (tmp_path / "sweep.toml").write_text(
+        'figures = ["phase_margin"]\nsamples = 4\n[parameters]\n'
+        'plant.inertia = { uniform = ["1.9 kg m^2", "2.1 kg m^2"] }\n',
+        encoding="utf-8",
+    )
+    output = tmp_path / "out"
+    arguments = ("sweep", axis, tmp_path / "sweep.toml", "--output", output, "--workers", 1)
+    status, out, errors = run(*arguments)
+    assert (status, errors) == (0, [])
+    assert "of 4 points meet what is required" in out
+    assert {path.name for path in output.iterdir()} == {
+        *("sweep.zarr", "phase_margin.png", "worst_phase_margin.toml")
+    }
+    status, out, _ = run(*arguments, "--json")
+    answers = json.loads(out)
+    assert answers["points"] == 4
+    assert answers["worst"]["phase_margin"]["unit"] == "deg"
+    (tmp_path / "sweep.toml").write_text("samples = 4\nfigure = 3\n", encoding="utf-8")
+    status, _, errors = run(*arguments)
+    assert status == 2
+    assert "figure is no key" in errors[0]
