@@ -64,7 +64,7 @@ def _client(scheduler: str | None) -> Any:
 
         raise ValueError(NEEDS) from None
     try:
-        return Client(scheduler, timeout="10s")
+        return Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
     except OSError as error:
         raise ValueError(f"--scheduler {scheduler}: nobody answers there ({error})") from None
 

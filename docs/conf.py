@@ -63,6 +63,7 @@ def links_of_the_site(_app: object, page: str, source: list[str]) -> None:
     """Lead links that leave this folder to the site's own notebooks, else to the repository."""
     notebook = r"\[([^]]+)\]\(\.\./notebooks/(\w+)\.ipynb\)"
     source[0] = re.sub(notebook, r"{doc}`\1 </notebooks/\2>`", source[0])
+    source[0] = source[0].replace("](../CHANGELOG.md)", "](changelog.md)")
     if "/" not in page:
         source[0] = re.sub(r"\]\(\.\./", f"]({SOURCES}", source[0])
 

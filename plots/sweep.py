@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
 from .style import BLUE, GREY, ORANGE, RED, finish, panels_figure
 
@@ -125,10 +126,9 @@ def _contours(ax: Axes, result: SweepResult, first: str, second: str, name: str)
         ax.set_axis_off()
         return
     scales = np.ptp(x[known]), np.ptp(y[known])  # triangles of the picture's own shape
-    from matplotlib.tri import Triangulation
-
-    triangles = Triangulation(x[known] / scales[0], y[known] / scales[1]).triangles
-    drawn = ax.tricontourf(x[known], y[known], triangles, values[known], levels=12, cmap="viridis")
+    shape = Triangulation(x[known] / scales[0], y[known] / scales[1])
+    mesh = Triangulation(x[known], y[known], shape.triangles)
+    drawn = ax.tricontourf(mesh, values[known], levels=12, cmap="viridis")
     bar = ax.get_figure().colorbar(drawn, ax=ax)  # type: ignore[union-attr]
     bar.set_label(_label(result, name))
     finish(ax, "", _label(result, first), _label(result, second))

@@ -11,6 +11,7 @@ from typing import Any
 
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Labels, Requirement
+from ...plant import PID
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
@@ -85,6 +86,7 @@ def _designed_gains(scenario: Scenario) -> dict[str, str] | None:
     if isinstance(scenario.gains, Gains | CascadeSection):
         return None
     law = servo_loop_of(scenario).controller_noun.law
+    assert isinstance(law, PID)  # which alone is designed
     torque, per = ("N m", "rad") if scenario.motion == "angle" else ("N", "m")
     return {
         "kp": f"{law.kp!r} {torque}/{per}",

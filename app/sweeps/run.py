@@ -256,7 +256,7 @@ def _by_cluster(
     work: Callable[..., Any] = _work
     waiting = [client.submit(work, shared, *batch, pure=False, retries=2) for batch in given]
     try:
-        for done in as_completed(waiting):
+        for done in as_completed(waiting):  # type: ignore[no-untyped-call]
             yield done.result()
             done.release()
     finally:

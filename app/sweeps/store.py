@@ -95,7 +95,7 @@ def _continued(asked: xarray.Dataset, folder: Path) -> xarray.Dataset:
     import xarray
 
     try:
-        found = xarray.open_zarr(folder, chunks=None).load()
+        found: xarray.Dataset = xarray.open_zarr(folder, chunks=None).load()
     except (OSError, ValueError, KeyError) as error:
         raise ValueError(f"{folder}: is no sweep ({error}); name another folder") from None
     if found.attrs.get("sweep") != asked.attrs["sweep"]:
