@@ -39,7 +39,7 @@ from jounce.analysis import (
     tune_pid,
     vibration_map,
 )
-from jounce.app import check_scenario, load_scenario, survey_file
+from jounce.app import LogUniform, Normal, Uniform, check_scenario, load_scenario, survey_file
 from jounce.plant import (
     PID,
     Axis,
@@ -106,6 +106,9 @@ TUNED = tune_limits(
 MOVE(0.5), FOLLOWER.step((0.0,), 1.0)
 
 NOUNS = [
+    Uniform("1 Hz", "2 Hz"),
+    LogUniform(1.0, 2.0),
+    Normal("6 Hz", "200 mHz"),
     LIMITS,
     Limits(np.array([1.0, 2.0]), (-1.0, 2.0), np.array([[-3.0, 1.0], [-4.0, 5.0]])),
     MOVE,
