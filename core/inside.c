@@ -223,10 +223,16 @@ static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
     brake(t, velocity, hard, x, motion);
 }
 
-static int rises_over(const jounce_task *t) {
-    double gained = 0.5 * t->a0 * t->a0 / t->fall;
+/* Whether the acceleration carries the velocity over a bound until it can be zero. */
+static int is_carried_out(const jounce_task *t) {
+    double gained = 0.5 * t->a0 * t->a0 / (t->a0 > 0.0 ? t->fall : t->rise);
     double slack = ROUNDING * (magnitude(t->v0) + gained);
-    return t->a0 > 0.0 && t->v0 + gained > t->v_max + slack;
+    return (t->a0 > 0.0 && t->v0 + gained > t->v_max + slack) ||
+           (t->a0 < 0.0 && t->v0 - gained < t->v_min - slack);
+}
+
+static int is_within(const jounce_task *t) {
+    return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
 }
 
 double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion *motion) {
@@ -240,12 +246,12 @@ double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion 
 
 double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
     jounce_task other;
+    if (is_within(t) && !is_carried_out(t)) {
+        return x;
+    }
     x = jounce_bring_acceleration_inside(t, x, motion);
-    if (is_finite(t->rise)) {
-        other = jounce_mirrored(t);
-        if (rises_over(t) || rises_over(&other)) {
-            turn_acceleration(t, 0.0, &x, motion);
-        }
+    if (is_finite(t->rise) && is_carried_out(t)) {
+        turn_acceleration(t, 0.0, &x, motion);
     }
     t->v0 = jounce_inside(t->v0, t->v_min, t->v_max);
     if (t->v0 > t->v_max) {

@@ -88,15 +88,19 @@ static void view_both_ways(jounce_family *f) {
     f->back = back;
 }
 
-void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
+double jounce_jerk_blur(const jounce_family *f) {
     const jounce_task *t = &f->task;
-    double jerk = smaller(task->rise, task->fall), stop, square;
-    f->task = *task;
-    f->speed = larger(magnitude(task->v0), magnitude(task->v1));
-    stop = f->speed / smaller(t->a_max, -t->a_min) + square_root(f->speed / jerk) +
-           larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
+    double jerk = smaller(t->rise, t->fall);
+    double stop = f->speed / smaller(t->a_max, -t->a_min) + square_root(f->speed / jerk) +
+                  larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
+    return f->rounding + ROUNDING * f->speed * stop;
+}
+
+void jounce_jerk_family(jounce_family *f) {
+    const jounce_task *t = &f->task;
+    double square;
+    f->speed = larger(magnitude(t->v0), magnitude(t->v1));
     f->rounding = t->resolution + ROUNDING * magnitude(t->distance);
-    f->blur = f->rounding + ROUNDING * f->speed * stop;
     f->rise_time = 1.0 / t->rise;
     f->fall_time = 1.0 / t->fall;
     f->half_rise = 0.5 * f->rise_time;
@@ -229,12 +233,24 @@ static jounce_profile holding_both(const jounce_family *f) {
     return profile;
 }
 
-static void add_holds(const jounce_family *f, Arcs *arcs) {
+/* Whether the accelerations at the ends leave the family without a profile. */
+static int is_empty(const jounce_family *f) {
+    return f->task.a0 > f->task.a_max || f->task.a1 < f->task.a_min;
+}
+
+/* The last arc, on which both bounds are held. */
+static void find_longest(const jounce_family *f, Arcs *arcs) {
     const jounce_task *t = &f->task;
-    jounce_profile both = holding_both(f);
-    double p = both.p, top = both.first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
-    double first = larger(f->ahead.gain - gain_of_ramps(f, &f->ahead, &both), 0.0) / p;
-    double last = (t->v_max - t->v0 - top) / p;
+    jounce_profile both;
+    double p, top, first, last;
+    if (!(is_finite(t->a_max) && is_finite(t->a_min) && f->ahead.may_dip && f->ahead.may_rise)) {
+        return;
+    }
+    both = holding_both(f);
+    p = both.p;
+    top = both.first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
+    first = larger(f->ahead.gain - gain_of_ramps(f, &f->ahead, &both), 0.0) / p;
+    last = (t->v_max - t->v0 - top) / p;
     if (first <= last) {
         add_arc(arcs, BOTH, 0.0, first, last);
     }
@@ -262,21 +278,23 @@ static void find_held(const jounce_family *f, const jounce_view *t, int kind, Ar
     }
 }
 
-/* The arcs of the family without cruise. */
-static void find_arcs(const jounce_family *f, Arcs *arcs) {
+/* The arcs on which one bound is held at most. */
+static void find_shorter(const jounce_family *f, Arcs *arcs) {
     const jounce_task *t = &f->task;
-    arcs->count = 0;
-    if (t->a0 > t->a_max || t->a1 < t->a_min) {
-        return;
-    }
     if (f->ratio == 0.0 && t->a0 <= t->a1 && t->a1 < 0.0) { /* nothing but the rise */
         add_arc(arcs, FREE_P, -t->a0, t->a0 - t->a1, t->a0 - t->a1);
     }
     find_free(f, arcs);
     find_held(f, &f->ahead, HOLD, arcs);
     find_held(f, &f->back, DWELL, arcs);
-    if (is_finite(t->a_max) && is_finite(t->a_min) && f->ahead.may_dip && f->ahead.may_rise) {
-        add_holds(f, arcs);
+}
+
+/* The arcs of the family without cruise. */
+static void find_arcs(const jounce_family *f, Arcs *arcs) {
+    arcs->count = 0;
+    if (!is_empty(f)) {
+        find_shorter(f, arcs);
+        find_longest(f, arcs);
     }
 }
 
@@ -467,9 +485,15 @@ static int turning_points(const jounce_family *f, const Arc *arc, double *points
 
 /* --- profiles of a given distance --------------------------------------------------------------- */
 
-/* An error of the distance that is worth no more than rounding of the states in this time. */
-static inline double blur_of(const jounce_family *f, double duration) {
-    return smaller(f->blur, f->rounding + ROUNDING * f->speed * duration);
+/* What of the distance rounding of the states is worth in this time. */
+static inline double most_blur(const jounce_family *f, double duration) {
+    return f->rounding + ROUNDING * f->speed * duration;
+}
+
+/* Whether an error of the distance is worth no more than that, beside what is allowed for. */
+static int is_blur(const jounce_family *f, double error, double allowed, double duration) {
+    double more = magnitude(error) - allowed;
+    return more <= most_blur(f, duration) && more <= jounce_jerk_blur(f);
 }
 
 static void keep(const jounce_profile *profile, jounce_profiles *found) {
@@ -513,12 +537,12 @@ static inline double steepness(const jounce_family *f, int kind, const Point *at
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
-/* How far a quadratic goes to zero, which is `error` with derivative `slope` here and has the other
- * sign a `step` away. */
-static inline double quadratic_step(double step, double error, double slope, double other_error) {
-    double rise = (other_error - error) / step, bend = (rise - slope) / step;
-    double root = square_root(larger(slope * slope - 4.0 * bend * error, 0.0));
-    return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
+/* How much longer to hold the upper bound, the lower one accordingly, until the distance does not
+ * err: H grows with the hold at the rate of the bound. */
+static double step_of_hold(const Point *at) {
+    double p = at->profile.p, h = at->slope, c = -at->error / (1.0 - p / at->profile.q);
+    double root = square_root(larger(h * h + 2.0 * p * c, 0.0));
+    return h > 0.0 ? 2.0 * c / (h + root) : (root - h) / p;
 }
 
 /* Take what the distance errs from the time at a bound so small that the velocity does not feel it:
@@ -559,22 +583,17 @@ static jounce_profile with_time_mended(const jounce_family *f, jounce_profile pr
     return profile;
 }
 
-/* The profile between two points at which the distance errs either way: Newton's iteration, which
- * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
- * bounds are held the distance is a quadratic of the parameter. */
-static jounce_profile between(const jounce_family *f, const Arc *arc, const Point *first,
-                              const Point *last) {
-    int kind = arc->kind;
-    double low = smaller(first->s, last->s), high = larger(first->s, last->s);
-    double step = last->s - first->s, steep_before = steepness(f, kind, first), moved;
-    int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
-    double following =
-        first->s + (kind == BOTH ? quadratic_step(step, first->error, steep_before, last->error)
-                                 : step_to_zero(step, first->error, steep_before, last->error,
-                                                steepness(f, kind, last)));
+/* The profile between two points at which the distance errs either way, `other` being the parameter
+ * of the second, from a guess on: Newton's iteration, which ends where the curvature seen tells that
+ * its next step leaves nothing but rounding. */
+static jounce_profile polished(const jounce_family *f, const Arc *arc, const Point *first,
+                               double other, double guess) {
+    int kind = arc->kind, i;
+    double low = smaller(first->s, other), high = larger(first->s, other);
+    double following = clamp(guess, low, high), moved = following - first->s;
+    double steep_before = steepness(f, kind, first);
+    int low_is_short = (first->error < 0.0) == (first->s < other);
     Point at;
-    following = clamp(following, low, high);
-    moved = following - first->s;
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;
         at.s = following;
@@ -596,11 +615,10 @@ static jounce_profile between(const jounce_family *f, const Arc *arc, const Poin
                 break;
             }
         } else if (i > 0 || kind == BOTH) {
-            double bend;
-            step = following - at.s;
-            bend = (steep - steep_before) * step * step;
+            double step = following - at.s, bend = (steep - steep_before) * step * step;
             if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
-                return member(f, arc, following);
+                at.profile = member(f, arc, following);
+                break;
             }
         }
         moved = following - at.s;
@@ -609,7 +627,21 @@ static jounce_profile between(const jounce_family *f, const Arc *arc, const Poin
             break;
         }
     }
-    return at.profile;
+    return with_time_mended(f, at.profile);
+}
+
+/* The profile between two points at which the distance errs either way. Where both bounds are held
+ * the distance is a quadratic of the parameter. */
+static jounce_profile between(const jounce_family *f, const Arc *arc, const Point *first,
+                              const Point *last) {
+    double step;
+    if (arc->kind == BOTH) {
+        step = step_of_hold(first);
+    } else {
+        step = step_to_zero(last->s - first->s, first->error, steepness(f, arc->kind, first),
+                            last->error, steepness(f, arc->kind, last));
+    }
+    return polished(f, arc, first, last->s, first->s + step);
 }
 
 /* Put the turning points inside an arc between its ends; returns the number of all marks. Where the
@@ -672,11 +704,11 @@ static void keep_up_to(const jounce_family *f, const Arc *arc, const Point *befo
     if (magnitude(at->error) <= exact) {
         keep(&at->profile, found);
         at->error = 0.0;
-    } else if (magnitude(at->error) <= exact + blur_of(f, at->profile.duration)) {
+    } else if (is_blur(f, at->error, exact, at->profile.duration)) {
         keep_nearly(at, found);
     }
     if (before->error * at->error < 0.0) {
-        jounce_profile profile = with_time_mended(f, between(f, arc, before, at));
+        jounce_profile profile = between(f, arc, before, at);
         keep(&profile, found);
     }
 }
@@ -726,10 +758,8 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     double p = f->ahead.p_cruise.size, q = f->ahead.q_cruise.size;
     jounce_profile last = {0};
     if (!(f->ahead.may_dip && f->ahead.may_rise && p >= 0.0 && is_finite(p) && is_finite(q) &&
-          q >= 0.0)) {
-        return 0;
-    }
-    if (t->a0 > t->a_max || t->a1 < t->a_min) {
+          q >= 0.0) ||
+        is_empty(f)) {
         return 0;
     }
     *profile = last;
@@ -743,21 +773,26 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
+static void cruise_for(const jounce_family *f, double distance, jounce_profile *profile) {
+    profile->cruise = larger(distance, 0.0) / f->task.v_max;
+    profile->duration += profile->cruise;
+}
+
 /* The profile that touches v_max, or cruises there; 0 where it does not cover the distance, or takes
  * as long as is allowed. */
 static int cruising_there(const jounce_family *f, double longest, jounce_profile *profile) {
-    double v_max = f->task.v_max, rest, slack;
+    double v_max = f->task.v_max, rest, allowed;
+    int is_there;
     if (!cruising(f, profile) || profile->duration >= longest) {
         return 0;
     }
     rest = f->task.distance - travel(f, profile).distance;
-    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + blur_of(f, profile->duration);
-    if (v_max <= 0.0) {
-        return magnitude(rest) <= slack;
+    allowed = 4.0 * ROUNDING * magnitude(v_max) * profile->duration;
+    is_there = is_blur(f, rest, allowed, profile->duration);
+    if (v_max > 0.0) {
+        cruise_for(f, rest, profile);
     }
-    profile->cruise = larger(rest, 0.0) / v_max;
-    profile->duration += profile->cruise;
-    return rest >= -slack;
+    return is_there || (v_max > 0.0 && rest >= 0.0);
 }
 
 /* Sort arcs by the durations with which they begin. */
@@ -772,15 +807,106 @@ static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *
     }
 }
 
+/* Whether one profile at most covers the task's distance, which lies beyond that with which the
+ * family begins: the distance grows with the duration where an end keeps the velocity, and with it
+ * H, positive, and is convex where the acceleration crosses zero throughout. */
+static int is_single(const jounce_family *f, double begins) {
+    const jounce_task *t = &f->task;
+    int grows = (t->a0 >= 0.0 && t->v0 >= 0.0) || (t->a1 <= 0.0 && t->v1 >= 0.0);
+    int crosses = f->ratio >= 0.0 ? t->a1 <= 0.0 : t->a0 >= 0.0;
+    return t->distance - begins > HARDLY && (grows || crosses) && t->a0 * t->a1 <= 0.0 &&
+           t->v_max > 0.0 && !f->ahead.uneven && !is_empty(f);
+}
+
+/* Where the distance of a task lies, seen from an arc or a cruise. */
+typedef enum { LIES_BEFORE, LIES_ON, LIES_BEYOND, LIES_OPEN } Side;
+
+static Side side_of(double error, double noise) {
+    return error > noise ? LIES_BEFORE : error < -noise ? LIES_BEYOND : LIES_OPEN;
+}
+
+/* The single profile, where it is on this arc or beyond. */
+static Side single_on(const jounce_family *f, const Arc *arc, jounce_profiles *found) {
+    Point at;
+    Side side;
+    at.profile = member(f, arc, arc->first);
+    measure(f, &at);
+    side = side_of(at.error, 4.0 * ROUNDING * at.scale + most_blur(f, at.profile.duration));
+    if (side != LIES_BEYOND) {
+        return side;
+    }
+    on_arc(f, arc, &at.profile, &at, found);
+    return found->count == 1 && found->profiles[0].worth == 0.0 ? LIES_ON : LIES_OPEN;
+}
+
+/* The single profile, where it holds both bounds as does `touch`, which reaches v_max and goes too
+ * far; 0 where it does not. */
+static int single_holding_both(const jounce_family *f, const Point *touch, jounce_profile *best) {
+    Arc arc = {BOTH, 0.0, 0.0, 0.0};
+    const jounce_profile *there = &touch->profile;
+    double least, guess;
+    if (!(there->hold > 0.0 && there->dwell > 0.0)) {
+        return 0;
+    }
+    least = larger(there->hold + there->dwell * there->q / there->p, 0.0);
+    guess = touch->s + step_of_hold(touch);
+    if (!(guess > least)) {
+        return 0;
+    }
+    *best = polished(f, &arc, touch, least, guess);
+    return 1;
+}
+
+/* The single profile, sought from the longest on; 0 where rounding leaves it open. */
+static int jerk_single(const jounce_family *f, Arcs *arcs, jounce_profiles *found,
+                       jounce_profile *best) {
+    Side side = LIES_BEFORE;
+    Point touch;
+    arcs->count = 0;
+    if (cruising(f, &touch.profile)) {
+        touch.s = touch.profile.hold;
+        measure(f, &touch);
+        side = side_of(touch.error, 4.0 * ROUNDING * f->task.v_max * touch.profile.duration +
+                                        most_blur(f, touch.profile.duration));
+        if (side == LIES_BEYOND) {
+            *best = touch.profile;
+            cruise_for(f, -touch.error, best);
+            return 1;
+        }
+        if (side == LIES_BEFORE && single_holding_both(f, &touch, best)) {
+            return 1;
+        }
+    } else {
+        find_longest(f, arcs);
+        if (arcs->count > 0) {
+            side = single_on(f, &arcs->arcs[--arcs->count], found);
+        }
+    }
+    if (side == LIES_BEFORE) {
+        find_shorter(f, arcs);
+    }
+    while (side == LIES_BEFORE && arcs->count > 0) {
+        side = single_on(f, &arcs->arcs[--arcs->count], found);
+    }
+    if (side == LIES_ON) {
+        *best = found->profiles[0];
+    }
+    return side == LIES_ON;
+}
+
 /* The durations grow along an arc, so that once a profile is found no arc that begins later holds
  * a shorter one. */
-int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
+int jounce_jerk_shortest(const jounce_family *f, double begins, jounce_profile *best) {
     jounce_profile firsts[MOST_ARCS];
     double shortest = INFINITE;
     jounce_profiles found;
     Point last;
     Arcs arcs;
     int sorted[MOST_ARCS], i, seen = 0, at = -1;
+    found.count = 0;
+    if (is_single(f, begins) && jerk_single(f, &arcs, &found, best)) {
+        return 1;
+    }
     last.profile.duration = -1.0; /* of no arc */
     found.count = 0;
     find_arcs(f, &arcs);

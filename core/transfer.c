@@ -12,17 +12,15 @@ typedef struct {
  * changes have no gap, which takes accelerations of one sign, the distances that can be covered
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
 static int find_fastest(const jounce_task *task, Fastest *fastest) {
-    int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, k;
+    double begins = jounce_change_velocity(task).distance;
+    int down = task->distance < begins, turn, any = 0, k;
     jounce_profile profile;
+    fastest->families[0].task = *task;
+    fastest->families[1].task = jounce_mirrored(task);
     for (k = 0; k < 2; k++) {
         jounce_family *family = &fastest->families[turn = k == 0 ? down : !down];
-        if (turn) {
-            jounce_task mirrored = jounce_mirrored(task);
-            jounce_make_family(&mirrored, family);
-        } else {
-            jounce_make_family(task, family);
-        }
-        if (jounce_shortest(family, &profile) &&
+        jounce_make_family(family);
+        if (jounce_shortest(family, k > 0 ? INFINITE : down ? -begins : begins, &profile) &&
             (!any || profile.duration < fastest->profile.duration)) {
             any = 1;
             fastest->turned = turn;
