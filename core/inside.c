@@ -231,10 +231,6 @@ static int is_carried_out(const jounce_task *t) {
            (t->a0 < 0.0 && t->v0 - gained < t->v_min - slack);
 }
 
-static int is_within(const jounce_task *t) {
-    return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
-}
-
 double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion *motion) {
     t->v0 = jounce_inside(t->v0, t->v_min, t->v_max);
     t->a0 = jounce_inside(t->a0, t->a_min, t->a_max);
@@ -246,7 +242,7 @@ double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion 
 
 double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
     jounce_task other;
-    if (is_within(t) && !is_carried_out(t)) {
+    if (jounce_starts_within(t) && !is_carried_out(t)) {
         return x;
     }
     x = jounce_bring_acceleration_inside(t, x, motion);

@@ -47,23 +47,26 @@ typedef struct {
 /* --- what depends on the task alone ------------------------------------------------------------ */
 
 /* The peak between which and velocity v, acceleration a, v_max is just reached. */
-static jounce_peak to_cruise(const jounce_family *f, double v, double a) {
+static inline jounce_peak to_cruise(const jounce_family *f, double v, double a) {
     double v_max = f->task.v_max, left = v_max - v, square;
     double slack = ROUNDING * (magnitude(v_max) + magnitude(v));
+    const double halves[] = {f->half_rise, -f->half_fall};
+    const int is_above = a > 0.0;
     jounce_peak peak = {INFINITE, INFINITE};
     if (!is_finite(v_max)) {
         return peak;
     }
-    square = a * a * (a > 0.0 ? -f->half_fall : f->half_rise); /* beyond a, or zero */
+    square = a * a * halves[is_above]; /* beyond a, or zero */
     if (left + square < -slack - ROUNDING * magnitude(square)) {
         peak.size = peak.beyond = -INFINITE;
         return peak;
     }
     peak.size = square_root(larger(left + a * a * f->half_rise, 0.0) * f->per_kappa);
-    peak.beyond = peak.size - a;
-    if (a > 0.0) {
+    if (is_above) {
         peak.beyond = larger(left + square, 0.0) * f->per_kappa / (peak.size + a);
         peak.size = a + peak.beyond;
+    } else {
+        peak.beyond = peak.size - a;
     }
     return peak;
 }
@@ -77,9 +80,9 @@ static int may_rise_to(const jounce_family *f, double v, double a) {
 
 static void view_both_ways(jounce_family *f) {
     const jounce_task *t = &f->task;
+    int uneven = larger(t->rise, t->fall) > 64.0 * smaller(t->rise, t->fall);
     jounce_peak p = to_cruise(f, t->v0, t->a0), q = to_cruise(f, t->v1, -t->a1);
     int may_dip = may_rise_to(f, t->v1, t->a1), may_rise = may_rise_to(f, t->v0, -t->a0);
-    int uneven = larger(t->rise, t->fall) > 64.0 * smaller(t->rise, t->fall);
     jounce_view ahead = {t->a0, t->a1, t->v1 - t->v0, t->v1,   f->ratio, t->a_max, t->a_min,
                          p,     q,     may_rise,      may_dip, uneven};
     jounce_view back = {-t->a1, -t->a0, t->v0 - t->v1, t->v0,    -f->ratio, -t->a_min, -t->a_max,
@@ -410,23 +413,20 @@ static inline Ends ends_of_fall(const jounce_family *f, const jounce_profile *pr
     return e;
 }
 
+/* The fall is reckoned from the end of it that knows more digits, which is chosen without a branch:
+ * a processor cannot guess it. */
 static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
-    double p = profile->p, q = profile->q, time = profile->fall * f->fall_time, v;
-    Ends e = ends_of_fall(f, profile);
-    int rear = e.fastest[1] < e.fastest[0];
+    const double p = profile->p, q = profile->q, time = profile->fall * f->fall_time;
+    const Ends e = ends_of_fall(f, profile);
+    const double speeds[] = {e.v, e.w}, from[] = {p, q}, to[] = {q, p}, times[] = {time, -time};
+    const int rear = e.fastest[1] < e.fastest[0];
+    const double v = speeds[rear], a = from[rear], end = to[rear], t = times[rear];
     Travel result;
-    if (rear) {
-        v = e.w;
-        result.slope = e.w - 0.5 * q * time;
-        result.distance = e.x - ramp_in(&v, q, p, -time) + e.y;
-    } else {
-        v = e.v;
-        result.slope = e.v + 0.5 * p * time;
-        result.distance = e.x + ramp_in(&v, p, q, time) + e.y;
-    }
+    result.slope = v + 0.5 * a * t;
+    result.distance = e.x + (v + (2.0 * a + end) * (1.0 / 6.0) * t) * time + e.y;
     result.scale = e.fastest[0] * (profile->first * f->rise_time + profile->hold) +
                    e.fastest[1] * (profile->last * f->rise_time + profile->dwell) +
-                   larger(e.fastest[rear], magnitude(v)) * time;
+                   larger(e.fastest[rear], magnitude(v + 0.5 * (a + end) * t)) * time;
     return result;
 }
 
@@ -600,7 +600,7 @@ static jounce_profile polished(const jounce_family *f, const Arc *arc, const Poi
         at.profile = member(f, arc, following);
         measure(f, &at);
         if (magnitude(at.error) <= EPSILON * at.scale) {
-            break;
+            return f->ahead.uneven ? with_time_mended(f, at.profile) : at.profile;
         }
         if ((at.error < 0.0) == low_is_short) {
             low = at.s;
@@ -808,14 +808,18 @@ static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *
 }
 
 /* Whether one profile at most covers the task's distance, which lies beyond that with which the
- * family begins: the distance grows with the duration where an end keeps the velocity, and with it
- * H, positive, and is convex where the acceleration crosses zero throughout. */
+ * family begins. It grows with the duration where an end keeps the velocity, and with it H, positive,
+ * and it is convex where the acceleration crosses zero. Profiles that begin or end with braking, from
+ * a0 < 0 or to a1 > 0, come first: with H at most the velocity there, which the family leaves behind
+ * within the time of two ramps. */
 static int is_single(const jounce_family *f, double begins) {
     const jounce_task *t = &f->task;
+    double ahead = t->distance - begins;
+    double braking = f->ratio >= 0.0 ? larger(t->v1, 0.0) * larger(t->a1, 0.0)
+                                     : larger(t->v0, 0.0) * larger(-t->a0, 0.0);
     int grows = (t->a0 >= 0.0 && t->v0 >= 0.0) || (t->a1 <= 0.0 && t->v1 >= 0.0);
-    int crosses = f->ratio >= 0.0 ? t->a1 <= 0.0 : t->a0 >= 0.0;
-    return t->distance - begins > HARDLY && (grows || crosses) && t->a0 * t->a1 <= 0.0 &&
-           t->v_max > 0.0 && !f->ahead.uneven && !is_empty(f);
+    return ahead > HARDLY && (grows || ahead > braking * (f->rise_time + f->fall_time)) &&
+           t->a0 * t->a1 <= 0.0 && t->v_max > 0.0 && !is_empty(f);
 }
 
 /* Where the distance of a task lies, seen from an arc or a cruise. */
@@ -840,29 +844,48 @@ static Side single_on(const jounce_family *f, const Arc *arc, jounce_profiles *f
 }
 
 /* The single profile, where it holds both bounds as does `touch`, which reaches v_max and goes too
- * far; 0 where it does not. */
-static int single_holding_both(const jounce_family *f, const Point *touch, jounce_profile *best) {
+ * far; what rounding of that profile leaves open is not told. */
+static Side single_holding_both(const jounce_family *f, const Point *touch, jounce_profile *best) {
+    const jounce_profile *t = &touch->profile;
     Arc arc = {BOTH, 0.0, 0.0, 0.0};
-    const jounce_profile *there = &touch->profile;
     double least, guess;
-    if (!(there->hold > 0.0 && there->dwell > 0.0)) {
-        return 0;
+    Side side;
+    if (!(t->hold > 0.0 && t->dwell > 0.0)) {
+        return LIES_BEFORE;
     }
-    least = larger(there->hold + there->dwell * there->q / there->p, 0.0);
+    least = larger(t->hold + t->dwell * t->q / t->p, 0.0);
     guess = touch->s + step_of_hold(touch);
-    if (!(guess > least)) {
-        return 0;
+    side = side_of(least - guess, HARDLY * touch->s);
+    if (side == LIES_BEYOND) {
+        *best = polished(f, &arc, touch, least, guess);
+        return LIES_ON;
     }
-    *best = polished(f, &arc, touch, least, guess);
-    return 1;
+    return side;
+}
+
+/* The single profile, where it is on the arc on which both bounds are held, or before. */
+static Side single_on_longest(const jounce_family *f, Arcs *arcs, jounce_profiles *found) {
+    arcs->count = 0;
+    find_longest(f, arcs);
+    return arcs->count > 0 ? single_on(f, &arcs->arcs[0], found) : LIES_BEFORE;
+}
+
+/* The single profile, where it holds one bound at most. */
+static Side single_on_shorter(const jounce_family *f, Arcs *arcs, jounce_profiles *found) {
+    Side side = LIES_BEFORE;
+    arcs->count = 0;
+    find_shorter(f, arcs);
+    while (side == LIES_BEFORE && arcs->count > 0) {
+        side = single_on(f, &arcs->arcs[--arcs->count], found);
+    }
+    return side;
 }
 
 /* The single profile, sought from the longest on; 0 where rounding leaves it open. */
 static int jerk_single(const jounce_family *f, Arcs *arcs, jounce_profiles *found,
                        jounce_profile *best) {
-    Side side = LIES_BEFORE;
+    Side side = LIES_OPEN;
     Point touch;
-    arcs->count = 0;
     if (cruising(f, &touch.profile)) {
         touch.s = touch.profile.hold;
         measure(f, &touch);
@@ -873,20 +896,18 @@ static int jerk_single(const jounce_family *f, Arcs *arcs, jounce_profiles *foun
             cruise_for(f, -touch.error, best);
             return 1;
         }
-        if (side == LIES_BEFORE && single_holding_both(f, &touch, best)) {
-            return 1;
+        if (side == LIES_BEFORE) {
+            side = single_holding_both(f, &touch, best);
+            if (side == LIES_ON) {
+                return 1;
+            }
         }
-    } else {
-        find_longest(f, arcs);
-        if (arcs->count > 0) {
-            side = single_on(f, &arcs->arcs[--arcs->count], found);
-        }
+    }
+    if (side == LIES_OPEN) {
+        side = single_on_longest(f, arcs, found);
     }
     if (side == LIES_BEFORE) {
-        find_shorter(f, arcs);
-    }
-    while (side == LIES_BEFORE && arcs->count > 0) {
-        side = single_on(f, &arcs->arcs[--arcs->count], found);
+        side = single_on_shorter(f, arcs, found);
     }
     if (side == LIES_ON) {
         *best = found->profiles[0];

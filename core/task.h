@@ -73,6 +73,10 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
 
 /* --- starts outside (inside.c) ---------------------------------------------------------------- */
 
+static inline int jounce_starts_within(const jounce_task *t) {
+    return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
+}
+
 /* Bring the task's start to where its bounds can be kept for good; add the pieces of the way from
  * position x, and return the position reached. */
 double jounce_bring_inside(jounce_task *task, double x, jounce_motion *motion);

@@ -10,7 +10,8 @@
  * `half` of a unit of squared acceleration: without the digits that a slow jerk does not touch. */
 static double above(double peak, double a, double gain, double other, double half, double kappa) {
     double squares = (other - a) * (other + a) * half;
-    return a > 0.0 ? larger((gain + squares) / (kappa * (peak + a)), 0.0) : peak - a;
+    const double ways[] = {peak - a, larger((gain + squares) / (kappa * (peak + a)), 0.0)};
+    return ways[a > 0.0];
 }
 
 /* To a peak and back, in the direction `sign`, all seen in it. */
@@ -19,7 +20,8 @@ static jounce_change to_peak(const jounce_task *t, int is_up) {
     double sign = signs[is_up], rise = jerks[is_up], fall = jerks[!is_up], bound = most[is_up];
     double a0 = sign * t->a0, a1 = sign * t->a1, v0 = sign * t->v0, v1 = sign * t->v1;
     double gain = v1 - v0, top = larger(a0, a1), peak, first, last, middle, distance;
-    double half_rise = 0.5 / rise, half_fall = 0.5 / fall, kappa = half_rise + half_fall;
+    double per_rise = 1.0 / rise, per_fall = 1.0 / fall;
+    double half_rise = 0.5 * per_rise, half_fall = 0.5 * per_fall, kappa = half_rise + half_fall;
     double square = (gain + a0 * a0 * half_rise + a1 * a1 * half_fall) / kappa;
     jounce_change change = {0};
     peak = larger(square_root(larger(square, 0.0)), top);
@@ -47,7 +49,9 @@ static jounce_change to_peak(const jounce_task *t, int is_up) {
 }
 
 jounce_change jounce_change_velocity(const jounce_task *t) {
-    double gain = t->v1 - t->v0, jerk, back, straight, squares, v = t->v0;
+    const double jerks[] = {-t->fall, t->rise};
+    double gain = t->v1 - t->v0, jerk, per_jerk, straight, squares, v = t->v0;
+    int is_up;
     jounce_change change = {0};
     if (!is_finite(t->rise)) {
         change.peak = gain >= 0.0 ? t->a_max : t->a_min;
@@ -55,17 +59,18 @@ jounce_change jounce_change_velocity(const jounce_task *t) {
         change.distance = 0.5 * (t->v0 + t->v1) * change.hold;
         return change;
     }
-    jerk = t->a1 >= t->a0 ? t->rise : -t->fall;
-    back = t->a1 >= t->a0 ? -t->fall : t->rise;
-    straight = 0.5 * (t->a1 - t->a0) * (t->a1 + t->a0) / jerk;
-    squares = (t->a0 * t->a0 + t->a1 * t->a1) / magnitude(jerk);
+    is_up = t->a1 >= t->a0;
+    jerk = jerks[is_up];
+    per_jerk = 1.0 / jerk;
+    straight = 0.5 * (t->a1 - t->a0) * (t->a1 + t->a0) * per_jerk;
+    squares = (t->a0 * t->a0 + t->a1 * t->a1) * magnitude(per_jerk);
     if (magnitude(gain - straight) <=
         ROUNDING * (magnitude(t->v0) + magnitude(t->v1) + squares)) {
         change.first = change.duration = (t->a1 - t->a0) / jerk;
         change.distance = ramp(&v, t->a0, t->a1, jerk);
         change.peak = t->a1;
         change.jerk = jerk;
-        change.back = back;
+        change.back = jerks[!is_up];
         return change;
     }
     return to_peak(t, gain > straight);
