@@ -54,8 +54,8 @@ def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE
 def together(*shapes: Shape) -> list[FloatArray]:
     """Return arrays of doubles to be filled, in one piece of memory.
 
-    A system hands out a large piece at once, several small ones page by page: that takes longer than
-    to fill them.
+    A system hands out a large piece at once, several small ones page by page: that takes longer
+    than to fill them.
     """
     ends = list(accumulate(prod(shape) for shape in shapes))
     memory = np.empty(ends[-1])
