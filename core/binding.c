@@ -1452,13 +1452,32 @@ static int plain_bound(PyObject *object, double *low, double *high) {
     return *low < 0.0 && *high > 0.0;
 }
 
-static PyObject *side_of(const double *flat, int side, int count) {
-    double values[JOUNCE_MOST_ORDER];
-    int i;
-    for (i = 0; i < count; i++) {
-        values[i] = flat[2 * i + side];
+/* A number as an object: the one given where it is that. */
+static PyObject *object_of(double number, PyObject *given) {
+    return PyFloat_CheckExact(given) && PyFloat_AsDouble(given) == number
+               ? Py_NewRef(given)
+               : PyFloat_FromDouble(number);
+}
+
+/* Lower bounds, upper bounds, and both in turn, which are the same objects. */
+static PyObject *lower_upper_flat(const double *flat, PyObject *const *given, int count) {
+    PyObject *sides[] = {PyTuple_New(count), PyTuple_New(count)}, *both = PyTuple_New(2 * count);
+    int k, good = sides[0] != NULL && sides[1] != NULL && both != NULL;
+    for (k = 0; good && k < 2 * count; k++) {
+        PyObject *number = object_of(flat[k], given[k / 2]);
+        good = number != NULL;
+        if (good) {
+            PyTuple_SetItem(sides[k % 2], k / 2, Py_NewRef(number));
+            PyTuple_SetItem(both, k, number);
+        }
     }
-    return tuple_of(values, count);
+    if (!good) {
+        Py_XDECREF(sides[0]);
+        Py_XDECREF(sides[1]);
+        Py_XDECREF(both);
+        return NULL;
+    }
+    return Py_BuildValue("(NNN)", sides[0], sides[1], both);
 }
 
 static PyObject *bounds_of(PyObject *module, PyObject *const *args, Py_ssize_t count) {
@@ -1475,8 +1494,7 @@ static PyObject *bounds_of(PyObject *module, PyObject *const *args, Py_ssize_t c
     if (!known || order == 0) {
         Py_RETURN_NONE;
     }
-    return Py_BuildValue("(NNN)", side_of(flat, 0, order), side_of(flat, 1, order),
-                         tuple_of(flat, 2 * order));
+    return lower_upper_flat(flat, args, order);
 }
 
 /* --- moves ------------------------------------------------------------------------------------- */

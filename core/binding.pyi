@@ -1,5 +1,6 @@
 """The core in C, as `binding.c` shows it to Python."""
 
+from collections.abc import Sequence
 from typing import TypeVar, final, overload
 
 import numpy as np
@@ -83,8 +84,8 @@ def move(
 def transfer(start: Numbers | float, end: Numbers | float, bounds: Numbers, /) -> Motion | int: ...
 @overload
 def transfer(
-    start: Numbers | float,
-    end: Numbers | float,
+    start: Sequence[float] | float,
+    end: Sequence[float] | float,
     bounds: Numbers,
     type: type[_T],
     limits: object,

@@ -3,12 +3,16 @@
 
 static int jumps(const jounce_family *f) { return !is_finite(f->task.rise); }
 
-void jounce_make_family(const jounce_task *task, jounce_family *f) {
-    if (!is_finite(task->rise)) {
-        jounce_speed_family(task, f);
+void jounce_make_family(jounce_family *f) {
+    if (jumps(f)) {
+        jounce_speed_family(f);
     } else {
-        jounce_jerk_family(task, f);
+        jounce_jerk_family(f);
     }
+}
+
+double jounce_blur(const jounce_family *f) {
+    return jumps(f) ? jounce_speed_blur(f) : jounce_jerk_blur(f);
 }
 
 void jounce_solutions(const jounce_family *f, jounce_profiles *found) {
@@ -46,11 +50,11 @@ void jounce_pieces_of(const jounce_family *f, const jounce_profile *profile, dou
     }
 }
 
-int jounce_shortest(const jounce_family *f, jounce_profile *best) {
+int jounce_shortest(const jounce_family *f, double begins, jounce_profile *best) {
     jounce_profiles found;
     int i, at = 0;
     if (!jumps(f)) {
-        return jounce_jerk_shortest(f, best);
+        return jounce_jerk_shortest(f, begins, best);
     }
     jounce_solutions(f, &found);
     for (i = 1; i < found.count; i++) {

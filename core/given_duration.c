@@ -284,14 +284,15 @@ static int add_mean(const Pair *start, double duration, jounce_motion *motion) {
 /* A weighted mean of the motions that go furthest up and furthest down in a time, which keeps
  * every bound as they do. */
 static int by_mean(const jounce_task *task, double duration, double start, jounce_motion *motion) {
-    jounce_task mirrored = jounce_mirrored(task);
     jounce_profile highest, lowest;
     jounce_motion above, below;
     jounce_family up, down;
     Pair pair = {{&above, &below}, 0.0, {0, 0}, {0.0, 0.0}};
     double top, bottom, slack;
-    jounce_make_family(task, &up);
-    jounce_make_family(&mirrored, &down);
+    up.task = *task;
+    down.task = jounce_mirrored(task);
+    jounce_make_family(&up);
+    jounce_make_family(&down);
     if (!jounce_lasting(&up, duration, &highest) || !jounce_lasting(&down, duration, &lowest)) {
         return 0;
     }
@@ -301,7 +302,7 @@ static int by_mean(const jounce_task *task, double duration, double start, jounc
     }
     top = jounce_distance_of(&up, &highest);
     bottom = -jounce_distance_of(&down, &lowest);
-    slack = up.blur + 16.0 * ROUNDING * (magnitude(top) + magnitude(bottom) + duration);
+    slack = jounce_blur(&up) + 16.0 * ROUNDING * (magnitude(top) + magnitude(bottom) + duration);
     if (task->distance < bottom - slack || task->distance > top + slack) {
         return 0;
     }

@@ -223,10 +223,12 @@ static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
     brake(t, velocity, hard, x, motion);
 }
 
-static int rises_over(const jounce_task *t) {
-    double gained = 0.5 * t->a0 * t->a0 / t->fall;
+/* Whether the acceleration carries the velocity over a bound until it can be zero. */
+static int is_carried_out(const jounce_task *t) {
+    double gained = 0.5 * t->a0 * t->a0 / (t->a0 > 0.0 ? t->fall : t->rise);
     double slack = ROUNDING * (magnitude(t->v0) + gained);
-    return t->a0 > 0.0 && t->v0 + gained > t->v_max + slack;
+    return (t->a0 > 0.0 && t->v0 + gained > t->v_max + slack) ||
+           (t->a0 < 0.0 && t->v0 - gained < t->v_min - slack);
 }
 
 double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion *motion) {
@@ -240,12 +242,12 @@ double jounce_bring_acceleration_inside(jounce_task *t, double x, jounce_motion 
 
 double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
     jounce_task other;
+    if (jounce_starts_within(t) && !is_carried_out(t)) {
+        return x;
+    }
     x = jounce_bring_acceleration_inside(t, x, motion);
-    if (is_finite(t->rise)) {
-        other = jounce_mirrored(t);
-        if (rises_over(t) || rises_over(&other)) {
-            turn_acceleration(t, 0.0, &x, motion);
-        }
+    if (is_finite(t->rise) && is_carried_out(t)) {
+        turn_acceleration(t, 0.0, &x, motion);
     }
     t->v0 = jounce_inside(t->v0, t->v_min, t->v_max);
     if (t->v0 > t->v_max) {

@@ -47,23 +47,26 @@ typedef struct {
 /* --- what depends on the task alone ------------------------------------------------------------ */
 
 /* The peak between which and velocity v, acceleration a, v_max is just reached. */
-static jounce_peak to_cruise(const jounce_family *f, double v, double a) {
+static inline jounce_peak to_cruise(const jounce_family *f, double v, double a) {
     double v_max = f->task.v_max, left = v_max - v, square;
     double slack = ROUNDING * (magnitude(v_max) + magnitude(v));
+    const double halves[] = {f->half_rise, -f->half_fall};
+    const int is_above = a > 0.0;
     jounce_peak peak = {INFINITE, INFINITE};
     if (!is_finite(v_max)) {
         return peak;
     }
-    square = a * a * (a > 0.0 ? -f->half_fall : f->half_rise); /* beyond a, or zero */
+    square = a * a * halves[is_above]; /* beyond a, or zero */
     if (left + square < -slack - ROUNDING * magnitude(square)) {
         peak.size = peak.beyond = -INFINITE;
         return peak;
     }
     peak.size = square_root(larger(left + a * a * f->half_rise, 0.0) * f->per_kappa);
-    peak.beyond = peak.size - a;
-    if (a > 0.0) {
+    if (is_above) {
         peak.beyond = larger(left + square, 0.0) * f->per_kappa / (peak.size + a);
         peak.size = a + peak.beyond;
+    } else {
+        peak.beyond = peak.size - a;
     }
     return peak;
 }
@@ -77,9 +80,9 @@ static int may_rise_to(const jounce_family *f, double v, double a) {
 
 static void view_both_ways(jounce_family *f) {
     const jounce_task *t = &f->task;
+    int uneven = larger(t->rise, t->fall) > 64.0 * smaller(t->rise, t->fall);
     jounce_peak p = to_cruise(f, t->v0, t->a0), q = to_cruise(f, t->v1, -t->a1);
     int may_dip = may_rise_to(f, t->v1, t->a1), may_rise = may_rise_to(f, t->v0, -t->a0);
-    int uneven = larger(t->rise, t->fall) > 64.0 * smaller(t->rise, t->fall);
     jounce_view ahead = {t->a0, t->a1, t->v1 - t->v0, t->v1,   f->ratio, t->a_max, t->a_min,
                          p,     q,     may_rise,      may_dip, uneven};
     jounce_view back = {-t->a1, -t->a0, t->v0 - t->v1, t->v0,    -f->ratio, -t->a_min, -t->a_max,
@@ -88,15 +91,19 @@ static void view_both_ways(jounce_family *f) {
     f->back = back;
 }
 
-void jounce_jerk_family(const jounce_task *task, jounce_family *f) {
+double jounce_jerk_blur(const jounce_family *f) {
     const jounce_task *t = &f->task;
-    double jerk = smaller(task->rise, task->fall), stop, square;
-    f->task = *task;
-    f->speed = larger(magnitude(task->v0), magnitude(task->v1));
-    stop = f->speed / smaller(t->a_max, -t->a_min) + square_root(f->speed / jerk) +
-           larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
+    double jerk = smaller(t->rise, t->fall);
+    double stop = f->speed / smaller(t->a_max, -t->a_min) + square_root(f->speed / jerk) +
+                  larger(magnitude(t->a0), magnitude(t->a1)) / jerk;
+    return f->rounding + ROUNDING * f->speed * stop;
+}
+
+void jounce_jerk_family(jounce_family *f) {
+    const jounce_task *t = &f->task;
+    double square;
+    f->speed = larger(magnitude(t->v0), magnitude(t->v1));
     f->rounding = t->resolution + ROUNDING * magnitude(t->distance);
-    f->blur = f->rounding + ROUNDING * f->speed * stop;
     f->rise_time = 1.0 / t->rise;
     f->fall_time = 1.0 / t->fall;
     f->half_rise = 0.5 * f->rise_time;
@@ -229,12 +236,24 @@ static jounce_profile holding_both(const jounce_family *f) {
     return profile;
 }
 
-static void add_holds(const jounce_family *f, Arcs *arcs) {
+/* Whether the accelerations at the ends leave the family without a profile. */
+static int is_empty(const jounce_family *f) {
+    return f->task.a0 > f->task.a_max || f->task.a1 < f->task.a_min;
+}
+
+/* The last arc, on which both bounds are held. */
+static void find_longest(const jounce_family *f, Arcs *arcs) {
     const jounce_task *t = &f->task;
-    jounce_profile both = holding_both(f);
-    double p = both.p, top = both.first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
-    double first = larger(f->ahead.gain - gain_of_ramps(f, &f->ahead, &both), 0.0) / p;
-    double last = (t->v_max - t->v0 - top) / p;
+    jounce_profile both;
+    double p, top, first, last;
+    if (!(is_finite(t->a_max) && is_finite(t->a_min) && f->ahead.may_dip && f->ahead.may_rise)) {
+        return;
+    }
+    both = holding_both(f);
+    p = both.p;
+    top = both.first * (p + t->a0) * f->half_rise + p * p * f->half_fall;
+    first = larger(f->ahead.gain - gain_of_ramps(f, &f->ahead, &both), 0.0) / p;
+    last = (t->v_max - t->v0 - top) / p;
     if (first <= last) {
         add_arc(arcs, BOTH, 0.0, first, last);
     }
@@ -262,21 +281,23 @@ static void find_held(const jounce_family *f, const jounce_view *t, int kind, Ar
     }
 }
 
-/* The arcs of the family without cruise. */
-static void find_arcs(const jounce_family *f, Arcs *arcs) {
+/* The arcs on which one bound is held at most. */
+static void find_shorter(const jounce_family *f, Arcs *arcs) {
     const jounce_task *t = &f->task;
-    arcs->count = 0;
-    if (t->a0 > t->a_max || t->a1 < t->a_min) {
-        return;
-    }
     if (f->ratio == 0.0 && t->a0 <= t->a1 && t->a1 < 0.0) { /* nothing but the rise */
         add_arc(arcs, FREE_P, -t->a0, t->a0 - t->a1, t->a0 - t->a1);
     }
     find_free(f, arcs);
     find_held(f, &f->ahead, HOLD, arcs);
     find_held(f, &f->back, DWELL, arcs);
-    if (is_finite(t->a_max) && is_finite(t->a_min) && f->ahead.may_dip && f->ahead.may_rise) {
-        add_holds(f, arcs);
+}
+
+/* The arcs of the family without cruise. */
+static void find_arcs(const jounce_family *f, Arcs *arcs) {
+    arcs->count = 0;
+    if (!is_empty(f)) {
+        find_shorter(f, arcs);
+        find_longest(f, arcs);
     }
 }
 
@@ -392,23 +413,20 @@ static inline Ends ends_of_fall(const jounce_family *f, const jounce_profile *pr
     return e;
 }
 
+/* The fall is reckoned from the end of it that knows more digits, which is chosen without a branch:
+ * a processor cannot guess it. */
 static inline Travel travel(const jounce_family *f, const jounce_profile *profile) {
-    double p = profile->p, q = profile->q, time = profile->fall * f->fall_time, v;
-    Ends e = ends_of_fall(f, profile);
-    int rear = e.fastest[1] < e.fastest[0];
+    const double p = profile->p, q = profile->q, time = profile->fall * f->fall_time;
+    const Ends e = ends_of_fall(f, profile);
+    const double speeds[] = {e.v, e.w}, from[] = {p, q}, to[] = {q, p}, times[] = {time, -time};
+    const int rear = e.fastest[1] < e.fastest[0];
+    const double v = speeds[rear], a = from[rear], end = to[rear], t = times[rear];
     Travel result;
-    if (rear) {
-        v = e.w;
-        result.slope = e.w - 0.5 * q * time;
-        result.distance = e.x - ramp_in(&v, q, p, -time) + e.y;
-    } else {
-        v = e.v;
-        result.slope = e.v + 0.5 * p * time;
-        result.distance = e.x + ramp_in(&v, p, q, time) + e.y;
-    }
+    result.slope = v + 0.5 * a * t;
+    result.distance = e.x + (v + (2.0 * a + end) * (1.0 / 6.0) * t) * time + e.y;
     result.scale = e.fastest[0] * (profile->first * f->rise_time + profile->hold) +
                    e.fastest[1] * (profile->last * f->rise_time + profile->dwell) +
-                   larger(e.fastest[rear], magnitude(v)) * time;
+                   larger(e.fastest[rear], magnitude(v + 0.5 * (a + end) * t)) * time;
     return result;
 }
 
@@ -467,9 +485,15 @@ static int turning_points(const jounce_family *f, const Arc *arc, double *points
 
 /* --- profiles of a given distance --------------------------------------------------------------- */
 
-/* An error of the distance that is worth no more than rounding of the states in this time. */
-static inline double blur_of(const jounce_family *f, double duration) {
-    return smaller(f->blur, f->rounding + ROUNDING * f->speed * duration);
+/* What of the distance rounding of the states is worth in this time. */
+static inline double most_blur(const jounce_family *f, double duration) {
+    return f->rounding + ROUNDING * f->speed * duration;
+}
+
+/* Whether an error of the distance is worth no more than that, beside what is allowed for. */
+static int is_blur(const jounce_family *f, double error, double allowed, double duration) {
+    double more = magnitude(error) - allowed;
+    return more <= most_blur(f, duration) && more <= jounce_jerk_blur(f);
 }
 
 static void keep(const jounce_profile *profile, jounce_profiles *found) {
@@ -513,12 +537,12 @@ static inline double steepness(const jounce_family *f, int kind, const Point *at
     return at->slope * duration_slope(f, kind, &at->profile);
 }
 
-/* How far a quadratic goes to zero, which is `error` with derivative `slope` here and has the other
- * sign a `step` away. */
-static inline double quadratic_step(double step, double error, double slope, double other_error) {
-    double rise = (other_error - error) / step, bend = (rise - slope) / step;
-    double root = square_root(larger(slope * slope - 4.0 * bend * error, 0.0));
-    return -2.0 * error / (slope + (rise > 0.0 ? root : -root));
+/* How much longer to hold the upper bound, the lower one accordingly, until the distance does not
+ * err: H grows with the hold at the rate of the bound. */
+static double step_of_hold(const Point *at) {
+    double p = at->profile.p, h = at->slope, c = -at->error / (1.0 - p / at->profile.q);
+    double root = square_root(larger(h * h + 2.0 * p * c, 0.0));
+    return h > 0.0 ? 2.0 * c / (h + root) : (root - h) / p;
 }
 
 /* Take what the distance errs from the time at a bound so small that the velocity does not feel it:
@@ -559,29 +583,24 @@ static jounce_profile with_time_mended(const jounce_family *f, jounce_profile pr
     return profile;
 }
 
-/* The profile between two points at which the distance errs either way: Newton's iteration, which
- * ends where the curvature seen tells that its next step leaves nothing but rounding. Where both
- * bounds are held the distance is a quadratic of the parameter. */
-static jounce_profile between(const jounce_family *f, const Arc *arc, const Point *first,
-                              const Point *last) {
-    int kind = arc->kind;
-    double low = smaller(first->s, last->s), high = larger(first->s, last->s);
-    double step = last->s - first->s, steep_before = steepness(f, kind, first), moved;
-    int low_is_short = (first->error < 0.0) == (first->s < last->s), i;
-    double following =
-        first->s + (kind == BOTH ? quadratic_step(step, first->error, steep_before, last->error)
-                                 : step_to_zero(step, first->error, steep_before, last->error,
-                                                steepness(f, kind, last)));
+/* The profile between two points at which the distance errs either way, `other` being the parameter
+ * of the second, from a guess on: Newton's iteration, which ends where the curvature seen tells that
+ * its next step leaves nothing but rounding. */
+static jounce_profile polished(const jounce_family *f, const Arc *arc, const Point *first,
+                               double other, double guess) {
+    int kind = arc->kind, i;
+    double low = smaller(first->s, other), high = larger(first->s, other);
+    double following = clamp(guess, low, high), moved = following - first->s;
+    double steep_before = steepness(f, kind, first);
+    int low_is_short = (first->error < 0.0) == (first->s < other);
     Point at;
-    following = clamp(following, low, high);
-    moved = following - first->s;
     for (i = 0; i < MOST_STEPS; i++) {
         double steep;
         at.s = following;
         at.profile = member(f, arc, following);
         measure(f, &at);
         if (magnitude(at.error) <= EPSILON * at.scale) {
-            break;
+            return f->ahead.uneven ? with_time_mended(f, at.profile) : at.profile;
         }
         if ((at.error < 0.0) == low_is_short) {
             low = at.s;
@@ -596,11 +615,10 @@ static jounce_profile between(const jounce_family *f, const Arc *arc, const Poin
                 break;
             }
         } else if (i > 0 || kind == BOTH) {
-            double bend;
-            step = following - at.s;
-            bend = (steep - steep_before) * step * step;
+            double step = following - at.s, bend = (steep - steep_before) * step * step;
             if (magnitude(bend) <= EPSILON * at.scale * magnitude(moved)) {
-                return member(f, arc, following);
+                at.profile = member(f, arc, following);
+                break;
             }
         }
         moved = following - at.s;
@@ -609,7 +627,21 @@ static jounce_profile between(const jounce_family *f, const Arc *arc, const Poin
             break;
         }
     }
-    return at.profile;
+    return with_time_mended(f, at.profile);
+}
+
+/* The profile between two points at which the distance errs either way. Where both bounds are held
+ * the distance is a quadratic of the parameter. */
+static jounce_profile between(const jounce_family *f, const Arc *arc, const Point *first,
+                              const Point *last) {
+    double step;
+    if (arc->kind == BOTH) {
+        step = step_of_hold(first);
+    } else {
+        step = step_to_zero(last->s - first->s, first->error, steepness(f, arc->kind, first),
+                            last->error, steepness(f, arc->kind, last));
+    }
+    return polished(f, arc, first, last->s, first->s + step);
 }
 
 /* Put the turning points inside an arc between its ends; returns the number of all marks. Where the
@@ -672,11 +704,11 @@ static void keep_up_to(const jounce_family *f, const Arc *arc, const Point *befo
     if (magnitude(at->error) <= exact) {
         keep(&at->profile, found);
         at->error = 0.0;
-    } else if (magnitude(at->error) <= exact + blur_of(f, at->profile.duration)) {
+    } else if (is_blur(f, at->error, exact, at->profile.duration)) {
         keep_nearly(at, found);
     }
     if (before->error * at->error < 0.0) {
-        jounce_profile profile = with_time_mended(f, between(f, arc, before, at));
+        jounce_profile profile = between(f, arc, before, at);
         keep(&profile, found);
     }
 }
@@ -726,10 +758,8 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     double p = f->ahead.p_cruise.size, q = f->ahead.q_cruise.size;
     jounce_profile last = {0};
     if (!(f->ahead.may_dip && f->ahead.may_rise && p >= 0.0 && is_finite(p) && is_finite(q) &&
-          q >= 0.0)) {
-        return 0;
-    }
-    if (t->a0 > t->a_max || t->a1 < t->a_min) {
+          q >= 0.0) ||
+        is_empty(f)) {
         return 0;
     }
     *profile = last;
@@ -743,21 +773,26 @@ static int cruising(const jounce_family *f, jounce_profile *profile) {
     return 1;
 }
 
+static void cruise_for(const jounce_family *f, double distance, jounce_profile *profile) {
+    profile->cruise = larger(distance, 0.0) / f->task.v_max;
+    profile->duration += profile->cruise;
+}
+
 /* The profile that touches v_max, or cruises there; 0 where it does not cover the distance, or takes
  * as long as is allowed. */
 static int cruising_there(const jounce_family *f, double longest, jounce_profile *profile) {
-    double v_max = f->task.v_max, rest, slack;
+    double v_max = f->task.v_max, rest, allowed;
+    int is_there;
     if (!cruising(f, profile) || profile->duration >= longest) {
         return 0;
     }
     rest = f->task.distance - travel(f, profile).distance;
-    slack = 4.0 * ROUNDING * magnitude(v_max) * profile->duration + blur_of(f, profile->duration);
-    if (v_max <= 0.0) {
-        return magnitude(rest) <= slack;
+    allowed = 4.0 * ROUNDING * magnitude(v_max) * profile->duration;
+    is_there = is_blur(f, rest, allowed, profile->duration);
+    if (v_max > 0.0) {
+        cruise_for(f, rest, profile);
     }
-    profile->cruise = larger(rest, 0.0) / v_max;
-    profile->duration += profile->cruise;
-    return rest >= -slack;
+    return is_there || (v_max > 0.0 && rest >= 0.0);
 }
 
 /* Sort arcs by the durations with which they begin. */
@@ -772,15 +807,127 @@ static void sort_arcs(const jounce_family *f, const Arcs *arcs, jounce_profile *
     }
 }
 
+/* Whether one profile at most covers the task's distance, which lies beyond that with which the
+ * family begins. It grows with the duration where an end keeps the velocity, and with it H, positive,
+ * and it is convex where the acceleration crosses zero. Profiles that begin or end with braking, from
+ * a0 < 0 or to a1 > 0, come first: with H at most the velocity there, which the family leaves behind
+ * within the time of two ramps. */
+static int is_single(const jounce_family *f, double begins) {
+    const jounce_task *t = &f->task;
+    double ahead = t->distance - begins;
+    double braking = f->ratio >= 0.0 ? larger(t->v1, 0.0) * larger(t->a1, 0.0)
+                                     : larger(t->v0, 0.0) * larger(-t->a0, 0.0);
+    int grows = (t->a0 >= 0.0 && t->v0 >= 0.0) || (t->a1 <= 0.0 && t->v1 >= 0.0);
+    return ahead > HARDLY && (grows || ahead > braking * (f->rise_time + f->fall_time)) &&
+           t->a0 * t->a1 <= 0.0 && t->v_max > 0.0 && !is_empty(f);
+}
+
+/* Where the distance of a task lies, seen from an arc or a cruise. */
+typedef enum { LIES_BEFORE, LIES_ON, LIES_BEYOND, LIES_OPEN } Side;
+
+static Side side_of(double error, double noise) {
+    return error > noise ? LIES_BEFORE : error < -noise ? LIES_BEYOND : LIES_OPEN;
+}
+
+/* The single profile, where it is on this arc or beyond. */
+static Side single_on(const jounce_family *f, const Arc *arc, jounce_profiles *found) {
+    Point at;
+    Side side;
+    at.profile = member(f, arc, arc->first);
+    measure(f, &at);
+    side = side_of(at.error, 4.0 * ROUNDING * at.scale + most_blur(f, at.profile.duration));
+    if (side != LIES_BEYOND) {
+        return side;
+    }
+    on_arc(f, arc, &at.profile, &at, found);
+    return found->count == 1 && found->profiles[0].worth == 0.0 ? LIES_ON : LIES_OPEN;
+}
+
+/* The single profile, where it holds both bounds as does `touch`, which reaches v_max and goes too
+ * far; what rounding of that profile leaves open is not told. */
+static Side single_holding_both(const jounce_family *f, const Point *touch, jounce_profile *best) {
+    const jounce_profile *t = &touch->profile;
+    Arc arc = {BOTH, 0.0, 0.0, 0.0};
+    double least, guess;
+    Side side;
+    if (!(t->hold > 0.0 && t->dwell > 0.0)) {
+        return LIES_BEFORE;
+    }
+    least = larger(t->hold + t->dwell * t->q / t->p, 0.0);
+    guess = touch->s + step_of_hold(touch);
+    side = side_of(least - guess, HARDLY * touch->s);
+    if (side == LIES_BEYOND) {
+        *best = polished(f, &arc, touch, least, guess);
+        return LIES_ON;
+    }
+    return side;
+}
+
+/* The single profile, where it is on the arc on which both bounds are held, or before. */
+static Side single_on_longest(const jounce_family *f, Arcs *arcs, jounce_profiles *found) {
+    arcs->count = 0;
+    find_longest(f, arcs);
+    return arcs->count > 0 ? single_on(f, &arcs->arcs[0], found) : LIES_BEFORE;
+}
+
+/* The single profile, where it holds one bound at most. */
+static Side single_on_shorter(const jounce_family *f, Arcs *arcs, jounce_profiles *found) {
+    Side side = LIES_BEFORE;
+    arcs->count = 0;
+    find_shorter(f, arcs);
+    while (side == LIES_BEFORE && arcs->count > 0) {
+        side = single_on(f, &arcs->arcs[--arcs->count], found);
+    }
+    return side;
+}
+
+/* The single profile, sought from the longest on; 0 where rounding leaves it open. */
+static int jerk_single(const jounce_family *f, Arcs *arcs, jounce_profiles *found,
+                       jounce_profile *best) {
+    Side side = LIES_OPEN;
+    Point touch;
+    if (cruising(f, &touch.profile)) {
+        touch.s = touch.profile.hold;
+        measure(f, &touch);
+        side = side_of(touch.error, 4.0 * ROUNDING * f->task.v_max * touch.profile.duration +
+                                        most_blur(f, touch.profile.duration));
+        if (side == LIES_BEYOND) {
+            *best = touch.profile;
+            cruise_for(f, -touch.error, best);
+            return 1;
+        }
+        if (side == LIES_BEFORE) {
+            side = single_holding_both(f, &touch, best);
+            if (side == LIES_ON) {
+                return 1;
+            }
+        }
+    }
+    if (side == LIES_OPEN) {
+        side = single_on_longest(f, arcs, found);
+    }
+    if (side == LIES_BEFORE) {
+        side = single_on_shorter(f, arcs, found);
+    }
+    if (side == LIES_ON) {
+        *best = found->profiles[0];
+    }
+    return side == LIES_ON;
+}
+
 /* The durations grow along an arc, so that once a profile is found no arc that begins later holds
  * a shorter one. */
-int jounce_jerk_shortest(const jounce_family *f, jounce_profile *best) {
+int jounce_jerk_shortest(const jounce_family *f, double begins, jounce_profile *best) {
     jounce_profile firsts[MOST_ARCS];
     double shortest = INFINITE;
     jounce_profiles found;
     Point last;
     Arcs arcs;
     int sorted[MOST_ARCS], i, seen = 0, at = -1;
+    found.count = 0;
+    if (is_single(f, begins) && jerk_single(f, &arcs, &found, best)) {
+        return 1;
+    }
     last.profile.duration = -1.0; /* of no arc */
     found.count = 0;
     find_arcs(f, &arcs);

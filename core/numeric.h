@@ -49,6 +49,16 @@ static inline double whole_below(double x) {
 
 static inline int is_finite(double x) { return x - x == 0.0; }
 
+/* Whether 2^exponent is a normal number, so that products with it round once at most. */
+static inline int is_normal(int exponent) { return exponent >= -1022 && exponent <= 1023; }
+
+/* 2^exponent, a normal number. */
+static inline double normal_power(int exponent) {
+    jounce_bits result;
+    result.bits = (uint64_t)(exponent + 1023) << 52;
+    return result.number;
+}
+
 /* 2^exponent, rounded to zero below and to infinity above the range of a double. */
 static inline double power_of_two(int exponent) {
     jounce_bits result;
@@ -58,8 +68,10 @@ static inline double power_of_two(int exponent) {
     if (exponent > 1023) {
         return INFINITE;
     }
-    result.bits = exponent < -1022 ? (uint64_t)1 << (exponent + 1074)
-                                   : (uint64_t)(exponent + 1023) << 52;
+    if (exponent >= -1022) {
+        return normal_power(exponent);
+    }
+    result.bits = (uint64_t)1 << (exponent + 1074);
     return result.number;
 }
 
@@ -68,10 +80,10 @@ static inline int exponent_of(double x) {
     jounce_bits value;
     int scaled = 0;
     value.number = magnitude(x);
-    if (value.bits == 0) {
-        return -1100;
-    }
-    if (value.bits < (uint64_t)1 << 52) { /* subnormal */
+    if (value.bits < (uint64_t)1 << 52) { /* zero, or subnormal */
+        if (value.bits == 0) {
+            return -1100;
+        }
         value.number *= 18014398509481984.0;
         scaled = 54;
     }
@@ -81,8 +93,8 @@ static inline int exponent_of(double x) {
 /* x * 2^exponent, rounded once. */
 static inline double scaled(double x, int exponent) {
     int own;
-    if (exponent >= -1022 && exponent <= 1023) {
-        return x * power_of_two(exponent);
+    if (is_normal(exponent)) {
+        return x * normal_power(exponent);
     }
     if (x == 0.0 || !is_finite(x)) {
         return x;

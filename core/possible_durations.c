@@ -47,13 +47,14 @@ static int is_among(double value, const double *values, int count) {
  * to the furthest up, so that the possible durations change only where one of the two families
  * covers the task's distance, begins or ends. */
 static void possible(const jounce_task *task, jounce_durations *out) {
-    jounce_task mirrored = jounce_mirrored(task);
     jounce_family up, down;
     jounce_profiles found;
     double marks[MOST_EDGES], solved[2 * JOUNCE_MOST_PROFILES];
     int count, solutions_count = 0, i;
-    jounce_make_family(task, &up);
-    jounce_make_family(&mirrored, &down);
+    up.task = *task;
+    down.task = jounce_mirrored(task);
+    jounce_make_family(&up);
+    jounce_make_family(&down);
     out->count = 0;
     jounce_solutions(&up, &found);
     for (i = 0; i < found.count; i++) {

@@ -9,7 +9,7 @@
  */
 #include "task.h"
 
-enum { NOTHING = -100000 };
+enum { NOTHING = -100000, LEAST = -20000 }; /* exponents below the least are of nothing, too */
 
 #define FAR 1048576.0       /* 2^20: beyond all that is reached in a few units of time */
 #define STEEPEST_ACCELERATION 1.3292279957849159e36 /* 2^120 */
@@ -18,19 +18,24 @@ enum { NOTHING = -100000 };
 
 static inline int most(int a, int b) { return a > b ? a : b; }
 
-/* ceil(a / b) for b > 0 */
-static inline int over(int a, int b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
-
-/* Exponent of the time that a quantity takes under a bound on its derivative n; both may be
- * absent. */
-static inline int time_under(int quantity, double bound, int n) {
-    if (quantity == NOTHING || !is_finite(bound) || bound == 0.0) {
-        return NOTHING;
-    }
-    return over(quantity - exponent_of(bound), n);
+/* ceil(a / b) for b > 0, of exponents: from far below, which needs no look at a sign */
+static inline int over(int a, int b) {
+    return (int)((unsigned)(a + 100000 * b + b - 1) / (unsigned)b) - 100000;
 }
 
-static inline int exponent_or_nothing(double x) { return x == 0.0 ? NOTHING : exponent_of(x); }
+/* The exponent of a size; of one that is zero or infinite `other`. */
+static inline int exponent_or(double size, int other) {
+    jounce_bits value;
+    int exponent;
+    value.number = size;
+    exponent = (int)(value.bits >> 52);
+    if (exponent - 1 >= 0 && exponent < 2047) {
+        return exponent - 1022;
+    }
+    return size == 0.0 || !is_finite(size) ? other : exponent_of(size);
+}
+
+static inline double largest_of(double a, double b) { return larger(magnitude(a), magnitude(b)); }
 
 static double in_units(double x, int exponent) { return is_finite(x) ? scaled(x, exponent) : x; }
 
@@ -38,31 +43,24 @@ static double none_if_far(double bound, double far) {
     return magnitude(bound) > far ? (bound > 0.0 ? INFINITE : -INFINITE) : bound;
 }
 
+/* Exponents of the times that quantities take under bounds on their derivatives. */
 static jounce_units own_units(const jounce_task *t, double duration) {
-    double jerk = smaller(t->rise, t->fall), power = smaller(t->a_max, -t->a_min);
-    double speed = larger(t->v_max, -t->v_min);
-    int d = exponent_or_nothing(t->distance);
-    int v = exponent_or_nothing(larger(magnitude(t->v0), magnitude(t->v1)));
-    int a = exponent_or_nothing(larger(magnitude(t->a0), magnitude(t->a1)));
+    int jerk = exponent_or(smaller(t->rise, t->fall), -NOTHING);
+    int power = exponent_or(smaller(t->a_max, -t->a_min), -NOTHING);
+    int speed = exponent_or(larger(t->v_max, -t->v_min), -NOTHING);
+    int d = exponent_or(magnitude(t->distance), NOTHING);
+    int v = exponent_or(largest_of(t->v0, t->v1), NOTHING);
+    int a = exponent_or(largest_of(t->a0, t->a1), NOTHING);
     jounce_units units;
-    int time = time_under(a, jerk, 1);
-    time = most(time, most(time_under(v, jerk, 2), time_under(v, power, 1)));
-    time = most(time, most(time_under(d, jerk, 3), time_under(d, power, 2)));
-    time = most(time, time_under(d, speed, 1));
-    time = most(time, exponent_or_nothing(duration));
-    if (time == NOTHING) {
+    int time = most(most(a - jerk, v - power), most(over(v - jerk, 2), over(d - jerk, 3)));
+    time = most(time, most(most(over(d - power, 2), d - speed), exponent_or(duration, NOTHING)));
+    if (time < LEAST) {
         time = 0;
     }
     units.time = time;
-    units.length = d;
-    if (v != NOTHING) {
-        units.length = most(units.length, v + time);
-    }
-    if (a != NOTHING) {
-        units.length = most(units.length, a + 2 * time);
-    }
-    if (units.length == NOTHING) { /* nothing to do: `time` is zero, and the bound of order one */
-        units.length = exponent_of(is_finite(jerk) ? jerk : power);
+    units.length = most(d, most(v + time, a + 2 * time));
+    if (units.length < LEAST) { /* nothing to do: `time` is zero, and the bound of order one */
+        units.length = jerk < -LEAST ? jerk : power;
     }
     return units;
 }
@@ -91,32 +89,50 @@ static void drop_far_bounds(jounce_task *t) {
     }
 }
 
-/* Whether 2^exponent is a normal number, so that products with it round once at most. */
-static int is_normal(int exponent) { return exponent >= -1022 && exponent <= 1023; }
+/* Multiply by powers of two that are normal numbers. */
+static void scale(jounce_task *t, double x, double v, double a, double j) {
+    t->distance *= x;
+    t->resolution *= x;
+    t->v0 *= v;
+    t->v1 *= v;
+    t->v_min *= v;
+    t->v_max *= v;
+    t->a0 *= a;
+    t->a1 *= a;
+    t->a_min *= a;
+    t->a_max *= a;
+    t->rise *= j;
+    t->fall *= j;
+}
 
-/* Multiply a number, which may be infinite, by 2^exponent, which is `factor` where normal. */
-static inline double times(double x, int exponent, int normal, double factor) {
-    return normal ? x * factor : in_units(x, exponent);
+/* Multiply by any powers of two. */
+static void scale_far(jounce_task *t, int x, int v, int a, int j) {
+    t->distance = in_units(t->distance, x);
+    t->resolution = in_units(t->resolution, x);
+    t->v0 = in_units(t->v0, v);
+    t->v1 = in_units(t->v1, v);
+    t->v_min = in_units(t->v_min, v);
+    t->v_max = in_units(t->v_max, v);
+    t->a0 = in_units(t->a0, a);
+    t->a1 = in_units(t->a1, a);
+    t->a_min = in_units(t->a_min, a);
+    t->a_max = in_units(t->a_max, a);
+    t->rise = in_units(t->rise, j);
+    t->fall = in_units(t->fall, j);
 }
 
 jounce_units jounce_to_own_units(jounce_task *task, double duration) {
     jounce_units units = own_units(task, duration);
     int x = -units.length, v = x + units.time, a = v + units.time, j = a + units.time;
-    int normal = is_normal(x) && is_normal(v) && is_normal(a) && is_normal(j);
-    double fx = power_of_two(x), fv = power_of_two(v), fa = power_of_two(a), fj = power_of_two(j);
-    task->distance = times(task->distance, x, normal, fx);
-    task->resolution = times(task->resolution, x, normal, fx);
-    task->v0 = times(task->v0, v, normal, fv);
-    task->v1 = times(task->v1, v, normal, fv);
-    task->v_min = times(task->v_min, v, normal, fv);
-    task->v_max = times(task->v_max, v, normal, fv);
-    task->a0 = times(task->a0, a, normal, fa);
-    task->a1 = times(task->a1, a, normal, fa);
-    task->a_min = times(task->a_min, a, normal, fa);
-    task->a_max = times(task->a_max, a, normal, fa);
-    if (is_finite(task->rise)) { /* and stays so */
-        task->rise = smaller(times(task->rise, j, normal, fj), LARGEST);
-        task->fall = smaller(times(task->fall, j, normal, fj), LARGEST);
+    int jerks_are_bounded = is_finite(task->rise);
+    if (is_normal(x) && is_normal(v) && is_normal(a) && is_normal(j)) {
+        scale(task, normal_power(x), normal_power(v), normal_power(a), normal_power(j));
+    } else {
+        scale_far(task, x, v, a, j);
+    }
+    if (jerks_are_bounded) { /* and stay so */
+        task->rise = smaller(task->rise, LARGEST);
+        task->fall = smaller(task->fall, LARGEST);
     }
     drop_far_bounds(task);
     return units;

@@ -38,12 +38,15 @@ static double used_bound(const jounce_task *t) {
     return t->v0 < t->v1 ? t->a_max : -t->a_min;
 }
 
-void jounce_speed_family(const jounce_task *task, jounce_family *family) {
-    double speed = larger(magnitude(task->v0), magnitude(task->v1));
-    double stop = speed * speed / used_bound(task);
-    family->task = *task;
-    family->rounding = task->resolution + ROUNDING * magnitude(task->distance);
-    family->blur = family->rounding + ROUNDING * stop;
+void jounce_speed_family(jounce_family *family) {
+    const jounce_task *t = &family->task;
+    family->speed = larger(magnitude(t->v0), magnitude(t->v1));
+    family->rounding = t->resolution + ROUNDING * magnitude(t->distance);
+}
+
+double jounce_speed_blur(const jounce_family *family) {
+    double stop = family->speed * family->speed / used_bound(&family->task);
+    return family->rounding + ROUNDING * stop;
 }
 
 static void found_at(const jounce_task *t, double w, double rise, double cruise,
@@ -53,16 +56,15 @@ static void found_at(const jounce_task *t, double w, double rise, double cruise,
 
 void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found) {
     const jounce_task *t = &family->task;
-    double least = least_of(t), missing, gain, square, slack, fastest;
+    double least = least_of(t), missing, gain, square, slack;
     found->count = 0;
     if (least > t->v_max) {
         return;
     }
     missing = t->distance - travelled(t, least);
-    fastest = larger(magnitude(t->v0), magnitude(t->v1));
-    slack = ROUNDING * fastest * speed_timed(t, least, 0.0, 0.0).duration;
+    slack = ROUNDING * family->speed * speed_timed(t, least, 0.0, 0.0).duration;
     /* what a small change of velocity does not gain takes a way round */
-    slack += missing * least > 0.0 ? family->rounding : family->blur;
+    slack += missing * least > 0.0 ? family->rounding : jounce_speed_blur(family);
     if (magnitude(missing) <= slack) {
         found_at(t, least, 0.0, 0.0, found);
     }

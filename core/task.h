@@ -73,6 +73,10 @@ jounce_status jounce_approach(const jounce_state *start, const jounce_state *end
 
 /* --- starts outside (inside.c) ---------------------------------------------------------------- */
 
+static inline int jounce_starts_within(const jounce_task *t) {
+    return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
+}
+
 /* Bring the task's start to where its bounds can be kept for good; add the pieces of the way from
  * position x, and return the position reached. */
 double jounce_bring_inside(jounce_task *task, double x, jounce_motion *motion);
@@ -124,7 +128,6 @@ typedef struct {
 typedef struct {
     jounce_task task;
     double rounding;          /* an error of the distance that is mere rounding of itself */
-    double blur;              /* the same, of the states of motion */
     double speed;             /* the larger one of both ends */
     double rise_time, fall_time; /* of a unit of acceleration; the rest is the jerk's */
     double half_rise, half_fall, kappa, per_kappa; /* kappa = 1/(2 rise) + 1/(2 fall) */
@@ -132,10 +135,14 @@ typedef struct {
     jounce_view ahead, back;
 } jounce_family;
 
-void jounce_jerk_family(const jounce_task *task, jounce_family *family);
+/* Work out what depends on the family's task. */
+void jounce_jerk_family(jounce_family *family);
+/* An error of the distance that is rounding of the states of motion. */
+double jounce_jerk_blur(const jounce_family *family);
 void jounce_jerk_solutions(const jounce_family *family, jounce_profiles *found);
-/* The shortest profile that covers the task's distance; 0 where there is none. */
-int jounce_jerk_shortest(const jounce_family *family, jounce_profile *best);
+/* The shortest profile that covers the task's distance; 0 where there is none. The family begins
+ * with a distance, infinite where it is not known. */
+int jounce_jerk_shortest(const jounce_family *family, double begins, jounce_profile *best);
 
 int jounce_jerk_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_jerk_edges(const jounce_family *family, double *durations);
@@ -145,7 +152,8 @@ int jounce_jerk_lengths(const jounce_family *family, const jounce_profile *profi
 void jounce_jerk_pieces(const jounce_family *family, const jounce_profile *profile, double start,
                         double end, jounce_motion *motion);
 
-void jounce_speed_family(const jounce_task *task, jounce_family *family);
+void jounce_speed_family(jounce_family *family);
+double jounce_speed_blur(const jounce_family *family);
 void jounce_speed_solutions(const jounce_family *family, jounce_profiles *found);
 int jounce_speed_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_speed_edges(const jounce_family *family, double *durations);
@@ -156,9 +164,10 @@ void jounce_speed_pieces(const jounce_family *family, const jounce_profile *prof
                          double end, jounce_motion *motion);
 
 /* The same, whether the jerk is bounded or not (families.c). */
-void jounce_make_family(const jounce_task *task, jounce_family *family);
+void jounce_make_family(jounce_family *family);
+double jounce_blur(const jounce_family *family);
 void jounce_solutions(const jounce_family *family, jounce_profiles *found);
-int jounce_shortest(const jounce_family *family, jounce_profile *best);
+int jounce_shortest(const jounce_family *family, double begins, jounce_profile *best);
 int jounce_lasting(const jounce_family *family, double duration, jounce_profile *profile);
 int jounce_edges(const jounce_family *family, double *durations);
 double jounce_distance_of(const jounce_family *family, const jounce_profile *profile);

@@ -12,17 +12,17 @@ typedef struct {
  * changes have no gap, which takes accelerations of one sign, the distances that can be covered
  * grow continuously from d both ways, and the sign of what is missing tells the family. */
 static int find_fastest(const jounce_task *task, Fastest *fastest) {
-    int down = task->distance < jounce_change_velocity(task).distance, turn, any = 0, k;
+    double begins = jounce_change_velocity(task).distance;
+    const double both[] = {begins, -begins};
+    int down = task->distance < begins, any = 0, k;
     jounce_profile profile;
+    fastest->families[0].task = *task;
+    fastest->families[1].task = jounce_mirrored(task);
     for (k = 0; k < 2; k++) {
-        jounce_family *family = &fastest->families[turn = k == 0 ? down : !down];
-        if (turn) {
-            jounce_task mirrored = jounce_mirrored(task);
-            jounce_make_family(&mirrored, family);
-        } else {
-            jounce_make_family(task, family);
-        }
-        if (jounce_shortest(family, &profile) &&
+        int turn = down ^ k;
+        jounce_family *family = &fastest->families[turn];
+        jounce_make_family(family);
+        if (jounce_shortest(family, k == 0 ? both[down] : INFINITE, &profile) &&
             (!any || profile.duration < fastest->profile.duration)) {
             any = 1;
             fastest->turned = turn;
@@ -153,10 +153,6 @@ void jounce_start_inside(jounce_problem *p) {
     }
 }
 
-static int starts_within(const jounce_task *t) {
-    return t->v_min <= t->v0 && t->v0 <= t->v_max && t->a_min <= t->a0 && t->a0 <= t->a_max;
-}
-
 /* Scale a plan back to the caller's units; it ends at `end`. */
 jounce_status jounce_finish(const jounce_problem *p, const jounce_state *end, const jounce_limits *limits,
                             jounce_motion *motion) {
@@ -187,7 +183,7 @@ jounce_status jounce_transfer(const jounce_state *start, const jounce_state *end
 static jounce_status plan_from_inside(const jounce_problem *p, const jounce_state *end,
                                       const jounce_limits *limits, jounce_motion *motion) {
     jounce_clear(motion);
-    if (p->way.count > 0 && starts_within(&p->whole)) { /* it leaves its bounds later, or never */
+    if (p->way.count > 0 && jounce_starts_within(&p->whole)) { /* it leaves its bounds later, or never */
         if (jounce_fastest(&p->whole, p->start, p->goal, motion)) {
             return jounce_finish(p, end, limits, motion);
         }

@@ -10,26 +10,23 @@
  * `half` of a unit of squared acceleration: without the digits that a slow jerk does not touch. */
 static double above(double peak, double a, double gain, double other, double half, double kappa) {
     double squares = (other - a) * (other + a) * half;
-    return a > 0.0 ? larger((gain + squares) / (kappa * (peak + a)), 0.0) : peak - a;
+    const double ways[] = {peak - a, larger((gain + squares) / (kappa * (peak + a)), 0.0)};
+    return ways[a > 0.0];
 }
 
-/* The distance, of which each ramp is reckoned from its own end, the hold from the slower one. */
-static double distance_of(const jounce_task *t, const jounce_change *c) {
-    double v = t->v0, w = t->v1, p = c->peak, h = c->hold;
-    double distance = ramp_in(&v, t->a0, p, c->first) - ramp_in(&w, t->a1, p, -c->last);
-    double middle = magnitude(v) <= magnitude(w) ? v + 0.5 * p * h : w - 0.5 * p * h;
-    return distance + middle * h;
-}
-
-static jounce_change by_rising(const jounce_task *t) {
-    double a0 = t->a0, a1 = t->a1, gain = t->v1 - t->v0, top = larger(a0, a1), peak;
-    double half_rise = 0.5 / t->rise, half_fall = 0.5 / t->fall, kappa = half_rise + half_fall;
+/* To a peak and back, in the direction `sign`, all seen in it. */
+static jounce_change to_peak(const jounce_task *t, int is_up) {
+    const double signs[] = {-1.0, 1.0}, jerks[] = {t->fall, t->rise}, most[] = {-t->a_min, t->a_max};
+    double sign = signs[is_up], rise = jerks[is_up], fall = jerks[!is_up], bound = most[is_up];
+    double a0 = sign * t->a0, a1 = sign * t->a1, v0 = sign * t->v0, v1 = sign * t->v1;
+    double gain = v1 - v0, top = larger(a0, a1), peak, first, last, middle, distance;
+    double per_rise = 1.0 / rise, per_fall = 1.0 / fall;
+    double half_rise = 0.5 * per_rise, half_fall = 0.5 * per_fall, kappa = half_rise + half_fall;
     double square = (gain + a0 * a0 * half_rise + a1 * a1 * half_fall) / kappa;
-    double first, last;
     jounce_change change = {0};
     peak = larger(square_root(larger(square, 0.0)), top);
-    if (peak > t->a_max && t->a_max >= top) {
-        peak = t->a_max;
+    if (peak > bound && bound >= top) {
+        peak = bound;
         first = peak - a0;
         last = peak - a1;
         gain -= first * (peak + a0) * half_rise + last * (peak + a1) * half_fall;
@@ -38,49 +35,45 @@ static jounce_change by_rising(const jounce_task *t) {
         first = above(peak, a0, gain, a1, half_fall, kappa);
         last = above(peak, a1, gain, a0, half_rise, kappa);
     }
-    change.peak = peak;
-    change.first = first / t->rise;
-    change.last = last / t->fall;
-    change.jerk = t->rise;
-    change.back = -t->fall;
+    change.first = first / rise;
+    change.last = last / fall;
     change.duration = change.first + change.hold + change.last;
-    change.distance = distance_of(t, &change);
+    distance = ramp_in(&v0, a0, peak, change.first) - ramp_in(&v1, a1, peak, -change.last);
+    middle = magnitude(v0) <= magnitude(v1) ? v0 + 0.5 * peak * change.hold
+                                            : v1 - 0.5 * peak * change.hold;
+    change.distance = sign * (distance + middle * change.hold);
+    change.peak = sign * peak;
+    change.jerk = sign * rise;
+    change.back = -sign * fall;
     return change;
 }
 
 jounce_change jounce_change_velocity(const jounce_task *t) {
-    double gain = t->v1 - t->v0, jerk, back, straight, squares, v = t->v0;
+    const double jerks[] = {-t->fall, t->rise};
+    double gain = t->v1 - t->v0, jerk, per_jerk, straight, squares, v = t->v0;
+    int is_up;
     jounce_change change = {0};
-    jounce_task mirrored;
     if (!is_finite(t->rise)) {
         change.peak = gain >= 0.0 ? t->a_max : t->a_min;
         change.hold = change.duration = gain / change.peak;
         change.distance = 0.5 * (t->v0 + t->v1) * change.hold;
         return change;
     }
-    jerk = t->a1 >= t->a0 ? t->rise : -t->fall;
-    back = t->a1 >= t->a0 ? -t->fall : t->rise;
-    straight = 0.5 * (t->a1 - t->a0) * (t->a1 + t->a0) / jerk;
-    squares = (t->a0 * t->a0 + t->a1 * t->a1) / magnitude(jerk);
+    is_up = t->a1 >= t->a0;
+    jerk = jerks[is_up];
+    per_jerk = 1.0 / jerk;
+    straight = 0.5 * (t->a1 - t->a0) * (t->a1 + t->a0) * per_jerk;
+    squares = (t->a0 * t->a0 + t->a1 * t->a1) * magnitude(per_jerk);
     if (magnitude(gain - straight) <=
         ROUNDING * (magnitude(t->v0) + magnitude(t->v1) + squares)) {
         change.first = change.duration = (t->a1 - t->a0) / jerk;
         change.distance = ramp(&v, t->a0, t->a1, jerk);
         change.peak = t->a1;
         change.jerk = jerk;
-        change.back = back;
+        change.back = jerks[!is_up];
         return change;
     }
-    if (gain > straight) {
-        return by_rising(t);
-    }
-    mirrored = jounce_mirrored(t);
-    change = by_rising(&mirrored);
-    change.distance = -change.distance;
-    change.peak = -change.peak;
-    change.jerk = -change.jerk;
-    change.back = -change.back;
-    return change;
+    return to_peak(t, gain > straight);
 }
 
 int jounce_change_leaves_bounds(const jounce_task *t, const jounce_change *change) {

@@ -85,14 +85,14 @@ class Limits(Frozen):
         *,
         position: PositionBound | None = None,
     ) -> None:
-        self.__dict__["position"] = FREE if position is None else position_sides(position)
-        known = None
-        if position is None:
-            known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
-        if known is None:
+        fields = self.__dict__  # the way around `frozen`
+        fields["position"] = FREE if position is None else position_sides(position)
+        known = core.bounds(velocity, acceleration, jerk, snap, crackle, pop)
+        if known is None or position is not None:
             self._set((velocity, acceleration, jerk, snap, crackle, pop))
-        else:  # at once: it is half of the time that a move takes
-            self._take_plain(known)
+        else:  # as `_take_plain` does: a call would be a tenth of the time that a move takes
+            fields["lower"], fields["upper"], fields["flat"] = known
+            fields["plain"], fields["bounds_position"] = True, False
 
     @classmethod
     def from_bounds(

@@ -7,7 +7,7 @@ from math import inf
 from .checks import finite, one_of, positive, whole
 from .limits import Limits
 from .pieces import MAX_ORDER
-from .plain_moves import Method, formed_move, move_at_once
+from .plain_moves import OPTIMAL, Method, formed_move, move_at_once
 from .rise import spline_divisor, spline_rise, to_trajectory
 from .trajectory import Trajectory, point, within_range
 
@@ -17,7 +17,7 @@ def min_time_move(
     limits: Limits,
     *,
     start: float = 0.0,
-    method: Method = "optimal",
+    method: Method = OPTIMAL,
     duration: float | None = None,
     round_to: float | None = None,
     rtol: float = 1e-4,
@@ -110,7 +110,8 @@ def min_time_move(
     >>> min_time_move(32.0, Limits(jerk=1.0), round_to=0.25).duration
     10.25
     """
-    one_of("method", method, ("optimal", "closed-form"))
+    if method is not OPTIMAL:
+        one_of("method", method, ("optimal", "closed-form"))
     if duration is None and round_to is None:
         at_once = move_at_once(distance, limits, start)
         if at_once is not None:

@@ -116,9 +116,9 @@ class PiecewisePolynomial(Frozen):
     @property
     def duration(self) -> float:
         """Time from the first break to the last."""
-        motion = self.__dict__.get("_motion")
+        motion: core.Motion | None = self.__dict__.get("_motion")
         if motion is not None:
-            return float(motion.duration)
+            return motion.duration
         return float(self.breaks[-1] - self.breaks[0])
 
     @property

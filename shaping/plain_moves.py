@@ -12,6 +12,8 @@ from .trajectory import Trajectory, within_range
 Method = Literal["optimal", "closed-form"]
 """How `min_time_move` plans from order 4 on."""
 
+OPTIMAL: Method = "optimal"
+
 
 def move_at_once(distance: float, limits: Limits, start: float) -> Trajectory | None:
     """Return the move of plain numbers that the core plans, to order 3; None for others."""
@@ -19,7 +21,7 @@ def move_at_once(distance: float, limits: Limits, start: float) -> Trajectory | 
         found = core.move(distance, limits.flat, start, Trajectory, None)
     except (AttributeError, TypeError, ValueError):  # of another order, told, or converted, later
         return None
-    return None if isinstance(found, int) else found
+    return found if type(found) is Trajectory else None
 
 
 def plain_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:

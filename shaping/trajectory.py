@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import core
 from .checks import finite, in_range, of_kind, positive
 from .derivatives import derivative_name, derivative_number
 from .drawing import draw
@@ -279,8 +280,8 @@ class Planned(Frozen):
     @property
     def duration(self) -> float:
         """Time from the first break to the last."""
-        motion = self.__dict__.get("_motion")
-        return self.trajectory.duration if motion is None else float(motion.duration)
+        motion: core.Motion | None = self.__dict__.get("_motion")
+        return self.trajectory.duration if motion is None else motion.duration
 
     @property
     def end_state(self) -> FloatArray:

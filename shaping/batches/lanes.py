@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import accumulate
+from math import prod
 from os import cpu_count
 from types import EllipsisType
 from typing import SupportsIndex, TypeVar
@@ -49,6 +51,18 @@ def in_threads(work: Callable[[slice], None], count: int, at_once: int = AT_ONCE
             helper.result()
 
 
+def together(*shapes: Shape) -> list[FloatArray]:
+    """Return arrays of doubles to be filled, in one piece of memory.
+
+    A system hands out a large piece at once, several small ones page by page: that takes longer
+    than to fill them.
+    """
+    ends = list(accumulate(prod(shape) for shape in shapes))
+    memory = np.empty(ends[-1])
+    starts = zip([0, *ends], ends, shapes, strict=False)
+    return [memory[start:end].reshape(shape) for start, end, shape in starts]
+
+
 def lanes(values: NDArray[_Number], shape: Shape, some: slice) -> NDArray[_Number]:
     """Return some of the values broadcast to a shape, counted in C order; a number stays one."""
     if not any(values.strides):
@@ -69,7 +83,7 @@ def table(limits: Limits, shape: Shape, some: slice) -> FloatArray:
     """Return the bounds of some problems, (K, n, 2), or (1, n, 2) where all have the same."""
     if limits.shape == ():
         return np.array(limits.flat).reshape(1, -1, 2)
-    count = len(range(*some.indices(int(np.prod(shape)))))
+    count = len(range(*some.indices(prod(shape))))
     bounds = np.empty((count, limits.order, 2))
     for k, pair in enumerate(sides(limits, shape, some)):
         for side, values in enumerate(pair):

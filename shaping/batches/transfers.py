@@ -16,7 +16,7 @@ from ..pieces import FloatArray
 from ..trajectory_checks import finite_numbers
 from ..transfers.problem import Transfer, check_orders
 from ..transfers.transfer import min_time_transfer
-from .lanes import Index, Shape, in_threads, index_text, limits_of, table
+from .lanes import Index, Shape, in_threads, index_text, limits_of, table, together
 
 
 def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> MotionBatch:
@@ -62,8 +62,9 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     states = [_states(name, value, order) for name, value in (("starts", starts), ("ends", ends))]
     shape = _shape(*(state.shape[:-1] for state in states), limits.shape)
     given = [_spread(state, shape) for state in states]
-    begin, finish = own = [_room(state) for state in given]
-    duration, inside_after = np.empty(shape), np.empty(shape)
+    wanted = [state.shape if any(state.strides[:-1]) else (0,) for state in given]
+    *rooms, duration, inside_after = together(*wanted, shape, shape)
+    begin, finish = own = [_room(state, room) for state, room in zip(given, rooms, strict=True)]
     statuses, counts = np.empty(shape, np.int8), np.empty(shape, np.int8)
     problems = Transfers(begin, finish, limits, counts)
 
@@ -150,10 +151,10 @@ def _spread(states: FloatArray, shape: Shape) -> FloatArray:
     return spread if one else np.ascontiguousarray(spread)
 
 
-def _room(states: FloatArray) -> FloatArray:
-    """Return memory for states that were spread, or a read-only copy of one for all."""
+def _room(states: FloatArray, room: FloatArray) -> FloatArray:
+    """Return the memory for states that were spread, or a read-only copy of one for all."""
     if any(states.strides[:-1]) or not states.size:
-        return np.empty(states.shape)
+        return room.reshape(states.shape)
     return np.broadcast_to(_rows(states, slice(0, 1))[0].copy(), states.shape)
 
 

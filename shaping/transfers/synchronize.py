@@ -88,12 +88,14 @@ def synchronize(
     (1.2, 1.6)
     """
     one_of("mode", mode, MODES)
-    if isinstance(transfers, Motion) or not isinstance(transfers, Iterable):
+    if type(transfers) is not list and (
+        isinstance(transfers, Motion) or not isinstance(transfers, Iterable)
+    ):
         told = f"transfers = {shown(transfers)}: expected a list with one entry per axis"
         raise TypeError(told)
     if resultant is not None:
         _check_resultant(resultant, mode)
-    transfers = [_planned(given) for given in transfers]
+    transfers = [given if type(given) is Transfer else _planned(given) for given in transfers]
     if mode == "both":
         together = _in_the_core(transfers)
         if together is not None:
