@@ -108,13 +108,16 @@ def survey_command(
 @app.command("schema")
 def schema_command(
     number: Annotated[
-        int, typer.Option("--format", help="Format of the scenario files: 2, or 1.")
-    ] = 2,
+        str,
+        typer.Option("--format", metavar="INTEGER", help="Format of the scenario files: 2, or 1."),
+    ] = "2",
 ) -> None:
     """Print the JSON schema of scenario files, by which editors complete and check keys."""
     from .scenario_schema import shipped_schema
 
-    print(shipped_schema(number), end="")
+    if not number.isdecimal():
+        raise ValueError(f"--format {number!r}: expected 1 or 2, such as --format 2")
+    print(shipped_schema(int(number)), end="")
 
 
 # Without ignore_unknown_options a negative distance would pass for an option.
@@ -142,7 +145,8 @@ def plan_command(
         typer.Option(help="Rise time of the acceleration, in place of the highest limit."),
     ] = None,
     order: Annotated[
-        int | None, typer.Option(help="Derivative that the rise time bounds: 6 for pop.")
+        str | None,
+        typer.Option(metavar="INTEGER", help="Derivative that the rise time bounds: 6 for pop."),
     ] = None,
     start: Annotated[
         str | None, typer.Option("--from", "--start", help="Position at the start.")
@@ -203,8 +207,9 @@ def plan_command(
     else:
         bounds = _bounds((velocity, acceleration, jerk, snap, crackle, pop), limit)
         method: Method = "closed-form" if closed_form else "optimal"
+        bounded = None if order is None else _order(order)
         plan = plan_move(
-            distance, bounds, start=start, to=to, rise_time=rise_time, order=order, method=method
+            distance, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
         )
     proofs = []
     if certify:
@@ -249,6 +254,15 @@ def _bounds(named: Sequence[str | None], limit: Sequence[str] | None) -> dict[in
             raise ValueError(f"--limit {text!r}: derivative {k} is already limited; give it once")
         bounds[k] = quantity
     return bounds
+
+
+def _order(text: str) -> int:
+    from .plan import derivative_key
+
+    try:
+        return derivative_key(text)
+    except ValueError as error:
+        raise ValueError(f"--order: {error}") from None
 
 
 def _limit(text: str) -> tuple[int, str]:

@@ -55,7 +55,10 @@ def run_command(
         typer.Option(help="End of the run, told to the FMU. Default: its own, not told."),
     ] = None,
     tolerance: Annotated[
-        float | None, typer.Option(help="Of the FMU's solver, relative. Default: the FMU's own.")
+        str | None,
+        typer.Option(
+            metavar="FLOAT", help="Of the FMU's solver, relative. Default: the FMU's own."
+        ),
     ] = None,
     log: Annotated[
         bool, typer.Option("--log", help="Print what the FMU logs, as errors are printed.")
@@ -86,6 +89,7 @@ def run_command(
     from .fmu_options import check_files, check_readable, seconds, size_in_bytes
     from .fmu_report import run_table
     from .native_output import ended_in_order, printed_as_errors
+    from .option_numbers import positive_number
     from .printing import print_parts
 
     check_readable(file)
@@ -95,7 +99,7 @@ def run_command(
     options = {
         "dt": None if step is None else seconds("--step", step),
         "stop_time": until,
-        "tolerance": tolerance,
+        "tolerance": positive_number("--tolerance", tolerance, 1e-6),
         "log": log,
         "record": record or [],
         "max_unpacked_bytes": None if max_size is None else size_in_bytes("--max-size", max_size),

@@ -37,18 +37,26 @@ def frf_command(
     ] = None,
     frequency_unit: Annotated[str | None, typer.Option(help="Hz, kHz or rad/s.")] = None,
     averages: Annotated[
-        int | None, typer.Option(help="Independent averages behind the coherence.")
+        str | None,
+        typer.Option(metavar="INTEGER", help="Independent averages behind the coherence."),
     ] = None,
-    dt: Annotated[float | None, typer.Option(help="Sample time in seconds.")] = None,
+    dt: Annotated[
+        str | None, typer.Option(help='Sample time, such as "2 ms"; in seconds without a unit.')
+    ] = None,
     integrators: Annotated[
-        int | None, typer.Option(help="In what was measured; default: by slope and phase.")
+        str | None,
+        typer.Option(metavar="INTEGER", help="In what was measured; default: by slope and phase."),
     ] = None,
-    unstable_poles: Annotated[int | None, typer.Option(help="Of the plant.")] = None,
+    unstable_poles: Annotated[
+        str | None, typer.Option(metavar="INTEGER", help="Of the plant.")
+    ] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw to this file (.png, .pdf, .svg).")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
 ) -> None:
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
     from ..analysis.measured import measured_margins, read_frf
+    from .fmu_options import seconds
+    from .option_numbers import whole_number
     from .result_files import check_picture
 
     if plot is not None:
@@ -60,10 +68,10 @@ def frf_command(
         output=output,  # type: ignore[arg-type]
         columns=names,
         frequency_unit=frequency_unit,
-        averages=averages,
-        dt=dt,
-        integrators=integrators,
-        unstable_poles=unstable_poles,
+        averages=whole_number("--averages", averages, 1, 20),
+        dt=None if dt is None else seconds("--dt", dt),
+        integrators=whole_number("--integrators", integrators, 0, 2),
+        unstable_poles=whole_number("--unstable-poles", unstable_poles, 0, 1),
     )
     law = None if controller is None else _controller_of(controller)
     if measured.kind == "plant" and law is None:

@@ -28,6 +28,7 @@ def pytest_collection():
         return (yield)
     finally:
         gc.enable()
+        gc.set_threshold(20_000, 20, 20)  # to look at all that was collected takes half a second
 
 
 def survey_of(name: str):

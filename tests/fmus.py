@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import os
 import shutil
 import subprocess
 import tempfile
@@ -17,15 +16,14 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
+from tiers import SLOW
 
 from jounce.fmu import export_fmu
-from jounce.fmu.exporting import compile
 from jounce.fmu.exporting.compile import host_compiler
 from jounce.fmu.exporting.dispatch import block_of
 from jounce.fmu.exporting.sources import sources_of
 
 VERSIONS = ("2.0", "3.0")
-SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 
 needs_compiler = pytest.mark.skipif(
     host_compiler() is None, reason="no C compiler (cc, gcc or clang) on this machine"
@@ -42,16 +40,9 @@ def folder() -> Path:
 
 @cache
 def fmu_of(make, version):
-    """Return the path of the FMU of make(), built once for the host; `make` is a function.
-
-    In the short tier the compiler does not optimise: it takes a third of the time.
-    """
+    """Return the path of the FMU of make(), built once for the host; `make` is a function."""
     path = folder() / f"{make.__module__.rpartition('.')[2]}_{make.__name__}_{version}.fmu"
-    with pytest.MonkeyPatch.context() as patch:
-        if not SLOW:
-            flags = ["-O0" if flag == "-O2" else flag for flag in compile._FLAGS]
-            patch.setattr(compile, "_FLAGS", flags)
-        export_fmu(make(), path, fmi_version=version, platforms=["host"])
+    export_fmu(make(), path, fmi_version=version, platforms=["host"])
     return path
 
 
@@ -67,7 +58,7 @@ def driven(block, driver, *options):
     for name, text in sources_of(block_of(block), "2.0", "{token}").items():
         (where / name).write_bytes(text)
     (where / "driver.c").write_text(driver, encoding="ascii")
-    optimised = "-O2" if SLOW else "-O0"  # as in fmu_of
+    optimised = "-O2" if SLOW else "-O0"  # it takes a fifth of the time
     command = [*host_compiler(), "-std=c99", optimised, "-ffp-contract=off", "-fPIC", "-shared"]
     subprocess.run([*command, *options, "-o", "driver.so", "driver.c"], cwd=where, check=True)
     return ctypes.CDLL(str(where / "driver.so"))

@@ -8,6 +8,7 @@ from types import MappingProxyType
 import control
 import numpy as np
 import pytest
+from tiers import some
 
 import jounce.analysis
 import jounce.app
@@ -204,7 +205,7 @@ COPIES = {
         f"pickle {protocol}": lambda noun, protocol=protocol: pickle.loads(
             pickle.dumps(noun, protocol)
         )
-        for protocol in range(pickle.HIGHEST_PROTOCOL + 1)
+        for protocol in some(range(pickle.HIGHEST_PROTOCOL + 1), 2)
     },
 }
 
@@ -231,8 +232,13 @@ def parts(value, path="it"):
 
 
 @pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
-@pytest.mark.parametrize("way", COPIES.values(), ids=COPIES)
-def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun, way):
+def test_a_copy_is_equal_and_as_read_only_as_the_noun_itself(noun):
+    for way in COPIES.values():
+        assert_copied(noun, way)
+
+
+def assert_copied(noun, way):
+    """Assert that a way to copy a noun changes none of its parts."""
     kept, copied = dict(parts(noun)), dict(parts(way(noun)))
     assert list(kept) == list(copied)
     for path, value in kept.items():

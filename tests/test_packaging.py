@@ -28,7 +28,8 @@ COMMAND = "from jounce.app.command_line import main; main()"
 BUILD = """
 import sys
 sys.path.insert(0, "building")
-import backend
+import backend, compiler
+compiler.FLAGS = [flag.replace("-O3", "-O0") for flag in compiler.FLAGS]  # sooner
 getattr(backend, sys.argv[1])(sys.argv[2])
 """
 

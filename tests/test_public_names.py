@@ -8,8 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import compiled_once
 import pytest
 
+binaries_compiled_once = compiled_once.binaries_compiled_once
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("shaping", "plant", "fmu", "analysis", "plots", "app")
 # Listed by glob: pkgutil.walk_packages finds nothing in a mapped editable install.

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pint
 import pytest
+from tiers import some
 
 from jounce.analysis import (
     cascaded_lags,
@@ -370,7 +371,7 @@ def test_a_number_means_the_same_in_every_form(name):
         Fraction(value),
         Decimal(value),
     ]
-    for form in forms:
+    for form in some(forms, 4):
         if name != "conformance resolution" or np.float32(value) == value:
             assert _same(call(form), result), (name, form)
 
@@ -389,7 +390,7 @@ def test_an_array_means_the_same_in_every_form(name):
     if name.startswith("Limits"):  # where a list or a tuple is a pair
         value, forms = array, [form for form in forms if not isinstance(form, list | tuple)]
     result = call(value)
-    for form in forms:
+    for form in some(forms, 4):
         assert _same(call(form), result), (name, form)
 
 

@@ -8,7 +8,7 @@ from edge_grid import LIMITS, OUTCOMES, count, problems, problems_of
 from jounce.shaping import InfeasibleError, min_time_transfer, min_time_transfers
 
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
-EVERY = 1 if SLOW else 7
+EVERY = 1 if SLOW else 14
 
 
 @pytest.mark.slow

@@ -4,9 +4,12 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import compiled_once
 import pytest
 
 from jounce.app import command_line
+
+binaries_compiled_once = compiled_once.binaries_compiled_once
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import pytest
 
 GOOD = "examples/telescope.toml"
+FRF = ("frf", "x.csv", "--kind", "loop")
 DECEL = ("--velocity", "1 m/s", "--jerk", "1 m/s^3", "--decel", "1 m/s^2")
 
 REFUSED = {
@@ -20,12 +21,22 @@ REFUSED = {
     ("plan", "1 m", "--jrek", "1 m/s^3"): ["--jrek:", "--jerk?"],
     ("plan", "1 m", "--zzz", "1"): ["unknown option --zzz: See jounce plan --help"],
     ("plan", "1 m", "--", "--velocity", "1 m/s"): ["--velocity behind --", "before --"],
-    ("plan", "1 m", "--order", "x"): ["--order"],
+    ("plan", "1 m", "--order", "x"): ["--order", "'x'", "from 1 to 14", "pop"],
+    ("plan", "1 m", "--order", "2.5"): ["--order", "'2.5'", "from 1 to 14"],
     ("plan", "1 m", "--acceleration", "-1 m/s^2, 2 m/s^2", *DECEL): [
         "--acceleration '-1 m/s^2, 2 m/s^2'", "--deceleration",
     ],
-    ("schema", "--format", "x"): ["--format"],
-    ("schema", "--format", "7"): ["7"],
+    ("schema", "--format", "x"): ["--format 'x'", "expected 1 or 2"],
+    ("schema", "--format", "7"): ["format 7", "give 1 or 2"],
+    (*FRF, "--averages", "two"): ["--averages 'two'", "whole number from 1 on", "20"],
+    (*FRF, "--averages", "2.5"): ["--averages '2.5'", "whole number from 1 on"],
+    (*FRF, "--averages", "0"): ["--averages '0'", "whole number from 1 on"],
+    (*FRF, "--integrators", "-1"): ["--integrators '-1'", "whole number from 0 on"],
+    (*FRF, "--unstable-poles", "1e0"): ["--unstable-poles '1e0'", "from 0 on"],
+    (*FRF, "--dt", "two"): ["--dt", "'two'", "duration"],
+    (*FRF, "--dt", "-1"): ["--dt '-1'", "positive duration"],
+    ("fmu", "run", GOOD, "--tolerance", "small"): ["--tolerance 'small'", "positive number"],
+    ("fmu", "run", GOOD, "--tolerance", "nan"): ["--tolerance 'nan'", "positive number"],
     ("check",): ["scenario"],
     ("nonsense",): ["'nonsense'", "jounce --help"],
     ("--versoin",): ["--versoin", "--version?"],

@@ -6,6 +6,7 @@ from math import inf
 import mpmath
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.core import transfer, velocity_transfer
 
@@ -71,7 +72,7 @@ def test_hold_fall_and_creep_by_three_equations():
     assert max(jumps(motion)) <= 1e-14
 
 
-@pytest.mark.parametrize("decades", [3.0, 8.0, 12.0, 16.0])
+@pytest.mark.parametrize("decades", some([3.0, 8.0, 12.0, 16.0], 2))
 def test_nothing_jumps(decades):
     rng = np.random.default_rng(int(decades))
     planned = 0

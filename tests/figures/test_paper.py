@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from drawn import curves, words
 from figures import paper
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -42,7 +41,7 @@ def test_axes_are_labelled_with_units(number):
 
 @pytest.mark.parametrize("number", paper.FIGURES)
 def test_several_curves_have_a_legend_that_hides_none(number):
-    FigureCanvasAgg(figure(number)).draw()
+    figure(number).draw_without_rendering()
     legends = [ax for ax in figure(number).axes if ax.get_legend()]
     assert bool(legends) == (number not in ONE_CURVE_A_PANEL)
     for ax in figure(number).axes:

@@ -4,7 +4,10 @@ import gc
 import tempfile
 from pathlib import Path
 
+import compiled_once
 import pytest
+
+binaries_compiled_once = compiled_once.binaries_compiled_once
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """Deviations in wind and noise: against plain sums over frequency and seeded simulations."""
 
+from functools import cache
 from math import pi
 
 import numpy as np
@@ -34,16 +35,20 @@ def test_the_spectrum_holds_the_variance(wind):
     assert np.trapezoid(wind.spectrum(f) * f, np.log(f)) == pytest.approx(9.0, rel=3e-4)
 
 
+@cache
+def over_frequency(controller):
+    """Return densely frequencies in Hz, the axis and the controller there."""
+    f = np.exp(np.linspace(np.log(1e-5), np.log(1e4), 50_001))
+    return f, AXIS.system()(2j * pi * f), controller.transfer()(2j * pi * f)
+
+
 @pytest.mark.parametrize("wind", WINDS, ids=lambda wind: wind.kind)
 def test_a_continuous_loop_is_the_integral_over_frequency(wind):
     """Closed by hand: y = g_d·d − g·k·y."""
     controller = Controller(LAW, filters=LowPass(60.0))
     loop = ServoLoop(AXIS, controller)
     found = loop.deviations(wind)
-    f = np.exp(np.linspace(np.log(1e-5), np.log(1e4), 50_001))
-    s = 2j * pi * f
-    g = AXIS.system()(s)
-    k = controller.transfer()(s)
+    f, g, k = over_frequency(controller)
     column = 1 if wind.on == "motor" else 2
     motor = g[0, column] / (1 + g[0, 0] * k)
     load = g[2, column] - g[2, 0] * k * motor

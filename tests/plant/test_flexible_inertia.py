@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from strategies import MAGNITUDES, UNIT_FACTORS
+from tiers import some
 
 from jounce.plant import FlexibleInertia, Inertia
 
@@ -95,7 +96,7 @@ def assert_same(found, expected):
 
 
 @pytest.mark.parametrize("sensor", SENSORS)
-@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("fraction", some([0.1, 0.9, 0.5], 2))
 def test_the_load_on_a_locked_motor_has_the_antiresonance(fraction, sensor):
     """λJ·ÿ + c·ẏ + k·y = 0 from y = 1: its decay and zero crossings, integrated."""
     axis = FlexibleInertia(0.7, 2.0, 0.05, load_fraction=fraction, sensor=sensor)

@@ -349,7 +349,7 @@ def test_a_continuous_limit_is_what_a_fine_integration_finds(way):
         return [v, (u - 0.5 * v) / 2.0, di]
 
     fine = solve_ivp(
-        rates, (0, 1.5), [0.0, 0.0, 0.0], t_eval=response.time, max_step=2e-4, rtol=1e-9, atol=1e-11
+        rates, (0, 1.5), [0.0, 0.0, 0.0], t_eval=response.time, max_step=1e-3, rtol=1e-9, atol=1e-11
     )
     np.testing.assert_allclose(response.position, fine.y[0], atol=2e-6)
     assert 0.05 < response.saturated_time < 1.0

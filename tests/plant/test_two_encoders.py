@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.analysis import survey
 from jounce.plant import PID, Axis, CascadedPI, Controller, FlexibleMode, LowPass, ServoLoop
@@ -55,7 +56,7 @@ def test_the_four_are_those_of_both_signals(name):
         np.testing.assert_allclose(getattr(found, each)(S), values, rtol=1e-8, err_msg=each)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", some(LAWS, 1))
 def test_a_survey_has_their_peaks(name):
     loop = ServoLoop(AXIS, LAWS[name])
     found = survey(loop, [])

@@ -24,7 +24,7 @@ from jounce.plots import plot_loop_response, plot_survey, plot_survey_details
 
 def texts(figure):
     """Return all that is written on a figure."""
-    FigureCanvasAgg(figure).draw()
+    figure.draw_without_rendering()
     found = [figure.get_suptitle(), *(text.get_text() for text in figure.texts)]
     for ax in figure.axes:
         found += [ax.get_title(), ax.get_xlabel(), ax.get_ylabel()]

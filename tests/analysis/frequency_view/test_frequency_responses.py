@@ -4,6 +4,7 @@ from math import inf, nan
 
 import numpy as np
 import pytest
+from tiers import some
 from transforms import random_move, transform_in_digits
 
 from jounce.analysis import (
@@ -28,8 +29,8 @@ def in_60_digits(move, omega):
     return transform_in_digits(60, move, 1j * omega) / (move.end_state[0] - move.start_state[0])
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("order", range(1, 8))
+@pytest.mark.parametrize("seed", some(range(4), 2))
+@pytest.mark.parametrize("order", some(range(1, 8), 4))
 def test_moves_in_60_digits(order, seed):
     move = random_move(order, seed)
     turns = np.array([1e-3, 0.1, 1.0, 3.0, 10.0, 30.0, 31.0, 100.0, 1e3, 1e5])

@@ -4,6 +4,7 @@ from math import nan, pi, sqrt
 
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.analysis.frequency_view import place_null, residual_vibration
 from jounce.shaping import Limits, min_time_move
@@ -46,8 +47,8 @@ def test_a_derivative_without_a_bound_gets_one():
     assert residual_vibration(min_time_move(5.1, snap, method="closed-form"), 4.0) < 1e-15
 
 
-@pytest.mark.parametrize("derivative", range(1, 8), ids=derivative_name)
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("derivative", some(range(1, 8), 4), ids=derivative_name)
+@pytest.mark.parametrize("order", some(range(1, 7), 4))
 def test_any_limit_of_any_order(order, derivative):
     rng = np.random.default_rng((order, derivative))
     limits = Limits.from_bounds([10.0 ** rng.uniform(0.0, k) for k in range(1, order + 1)])

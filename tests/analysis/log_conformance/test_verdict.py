@@ -5,6 +5,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 from encoder_logs import NOISES, NONE, encoder_log, random_move
+from tiers import some
 
 from jounce.analysis.log_conformance import conformance
 from jounce.shaping import Limits, min_time_move
@@ -86,10 +87,10 @@ HASTY = {
 }
 
 
-@pytest.mark.parametrize("bounds", HASTY.values(), ids=HASTY)
-def test_what_exceeds_a_limit_by_half_is_never_called_kept(bounds):
+@pytest.mark.parametrize("name", some(HASTY, 3))
+def test_what_exceeds_a_limit_by_half_is_never_called_kept(name):
     """Its upper end would lie below two thirds of the true peak; the limit then in between."""
-    move = min_time_move(5.0, Limits.from_bounds(bounds), method="closed-form")
+    move = min_time_move(5.0, Limits.from_bounds(HASTY[name]), method="closed-form")
     rng = np.random.default_rng(7)
     for step in (0.003, 0.01, 0.05):
         times, positions = rested(move, step)

@@ -6,6 +6,7 @@ import control
 import numpy as np
 import pytest
 from scipy.special import lambertw
+from tiers import some
 
 from jounce.analysis.margins import loop_margins, many_loop_margins
 from jounce.analysis.margins.delayed_poles import rightmost_poles
@@ -88,7 +89,7 @@ def test_poles_of_an_integrator_behind_a_delay_are_those_of_lamberts_w(delay):
     assert loop_margins(1 / S, delay=delay).stable == (delay < math.pi / 2)
 
 
-@pytest.mark.parametrize("seed", range(150))
+@pytest.mark.parametrize("seed", some(range(150), 50))
 def test_stability_by_counting_agrees_with_the_rightmost_pole(seed):
     loop, delay = random_loop(seed)
     [stable] = is_stable(pieces_of(rooted(factored(loop, delay))))

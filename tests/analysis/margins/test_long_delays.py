@@ -1,6 +1,7 @@
 """Loops behind many samples of delay, against all their states and against a dense circle."""
 
 import time
+from functools import cache
 
 import control
 import numpy as np
@@ -29,9 +30,14 @@ def dense(samples):
         np.linspace(30.0, 80.0, 30_000),  # the mode rings here
         np.linspace(80.0, np.pi / DT, 10_000),
     ]
-    omega = np.unique(np.concatenate(parts))
-    z = np.exp(1j * omega * DT)
-    return transfer(samples - whole)(z) * z ** (-whole)
+    z = np.exp(1j * np.unique(np.concatenate(parts)) * DT)
+    return within_a_sample(samples - whole, z.tobytes()) * z ** (-whole)
+
+
+@cache
+def within_a_sample(share, z):
+    """Return L(z) behind a part of a sample of delay; z in bytes."""
+    return transfer(share)(np.frombuffer(z, dtype=complex))
 
 
 def unstable_poles(values):

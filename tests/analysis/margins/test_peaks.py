@@ -59,7 +59,7 @@ def test_a_peak_is_the_largest_of_a_dense_search(name, quantity):
 @pytest.mark.parametrize("measure", [DISTANCE, QUOTIENT], ids=["distance", "quotient"])
 def test_a_bound_over_a_sector_is_below_every_value_in_it(measure):
     rng = np.random.default_rng(1)
-    for _ in range(300 if SLOW else 50):
+    for _ in range(300 if SLOW else 25):
         low, high = np.sort(rng.normal(0, 1.5, 2))
         start, end = np.sort(rng.uniform(-0.7, 0.7, 2))
         turns = np.linspace(start, end, 41)

@@ -57,7 +57,7 @@ def stable_loops(count, start=0):
     return found
 
 
-LOOPS = stable_loops(30 if SLOW else 12)
+LOOPS = stable_loops(30 if SLOW else 6)
 loops = pytest.mark.parametrize(
     ("seed", "num", "den"), LOOPS, ids=[f"seed{seed}" for seed, _, _ in LOOPS]
 )

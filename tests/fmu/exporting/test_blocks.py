@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from every_block import BLOCKS, makers
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
+from tiers import some
 
 from jounce.fmu import export_fmu
 from jounce.fmu.exporting.blocks import Block
@@ -104,7 +105,7 @@ def test_every_variable_is_described(name):
 
 
 @needs_compiler
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", some(VERSIONS[::-1], 1))
 @pytest.mark.parametrize("make", makers(), ids=lambda make: make.__name__)
 def test_what_depends_on_what_at_the_start(make, version):
     """Change each start value: what changes with it depends on it, by the description."""

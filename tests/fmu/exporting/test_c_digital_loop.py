@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from firmware import driven
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
+from tiers import some
 
 from jounce.fmu import SampledLoop, export_ssp, load_ssp
 from jounce.fmu.exporting import export_c as writing
@@ -116,7 +117,7 @@ def torques(response, delay, count):
     return np.where(last < 0, holding, response.run.samples[last, 2])
 
 
-@pytest.mark.parametrize("make", LOOPS, ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", some(LOOPS, 4), ids=lambda make: make.__name__)
 def test_firmware_that_steps_with_the_samples_is_the_simulation_to_the_last_bits(
     make, tmp_path, monkeypatch
 ):

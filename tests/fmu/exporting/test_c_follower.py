@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from fmus import SLOW, VERSIONS, Host, driven, fmu_of, needs_compiler, pointer
+from tiers import some
 
 from jounce.shaping import CommandFollower, JerkFilter, Limits
 
@@ -81,8 +82,7 @@ def run_in_c(follower, given, speeds):
     return rows
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", FOLLOWERS)
+@pytest.mark.parametrize("name", some(FOLLOWERS, 6))
 def test_random_samples_agree_with_python(name):
     follower = FOLLOWERS[name]()
     given, speeds = commands(SAMPLES, 1.0, seed=7)

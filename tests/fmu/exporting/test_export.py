@@ -13,6 +13,7 @@ import pytest
 from every_block import BLOCKS
 from fmpy.validation import validate_fmu
 from fmus import SLOW, VERSIONS, Host, fmu_of, needs_compiler
+from tiers import some
 
 from jounce.fmu import CompilerError, export_fmu
 from jounce.fmu.exporting import compile, export
@@ -23,7 +24,7 @@ from jounce.shaping import Limits, min_time_move
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", BLOCKS)
-@pytest.mark.parametrize("unit", ["1", "rad", "mm"])
+@pytest.mark.parametrize("unit", some(["1", "rad", "mm"], 2))
 def test_fmpy_finds_no_fault(name, version, unit, tmp_path):
     path = tmp_path / "a.fmu"
     linear = name in ("transfer_function", "gain", "discrete_system")
@@ -70,6 +71,7 @@ def test_documentation_tells_of_the_delay_of_a_tick(tmp_path):
 @needs_compiler
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_same_bytes_every_time(version, tmp_path, monkeypatch):
+    monkeypatch.setattr(export, "build", compile.build)  # not what was built before
     made = []
     for where in ("a", "b"):
         folder = tmp_path / where

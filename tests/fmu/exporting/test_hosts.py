@@ -11,11 +11,10 @@ import foreign_host
 import numpy as np
 import pytest
 import scipy.integrate
-from fmus import SLOW, fmu_of, folder, needs_compiler
+from fmus import fmu_of, folder, needs_compiler
 from handmade_ssps import binding, bindings, component, connection, linear, ssp, system
 
 from jounce.fmu import load_ssp
-from jounce.fmu.exporting import compile
 from jounce.fmu.exporting.ssp import export_ssp
 from jounce.plant import Inertia, InertiaFeedforward, ServoLoop, design_pid
 from jounce.shaping import CommandFollower, JerkFilter, Limits, min_time_move
@@ -68,12 +67,9 @@ def why_not(package):
 def ssp_of(move, version, filtered):
     """Return the path of the exported loop."""
     path = folder() / f"loop_of_order_{move.order}_{version}_{filtered}.ssp"
-    with pytest.MonkeyPatch.context() as patch:
-        if not SLOW:  # without optimisation it is built in half the time
-            patch.setattr(compile, "_FLAGS", [f.replace("-O2", "-O0") for f in compile._FLAGS])
-        behind = FILTER if filtered else None
-        options = {"fmi_version": version, "platforms": ["host"], "unit": "m"}
-        export_ssp(path, move, loop(), dt=DT, jerk_filter=behind, **options)
+    behind = FILTER if filtered else None
+    options = {"fmi_version": version, "platforms": ["host"], "unit": "m"}
+    export_ssp(path, move, loop(), dt=DT, jerk_filter=behind, **options)
     return path
 
 

@@ -5,6 +5,7 @@ from math import factorial, inf
 import numpy as np
 import pytest
 from references import reference_problems
+from tiers import some
 
 from jounce.shaping import Limits, Trajectory, min_jerk_move, min_time_move, perfect_spline
 from jounce.shaping.optimal import Certificate, certify
@@ -17,7 +18,7 @@ def limits_of(bounds):
     return Limits.from_bounds([None if bound == inf else bound for bound in bounds])
 
 
-@pytest.mark.parametrize("problem", REFERENCES)
+@pytest.mark.parametrize("problem", some(REFERENCES, 12))
 def test_reference_problems(problem):
     limits = limits_of(problem.bounds)
     proof = certify(min_time_move(problem.distance, limits), limits)
@@ -60,7 +61,7 @@ ONCE_FAR = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("distance", [0.6375, 0.6378063524771254, 0.639])
+@pytest.mark.parametrize("distance", some([0.6375, 0.639, 0.6378063524771254], 2))
 def test_a_longer_cruise_takes_its_own_time_and_no_more(distance):
     """Near the distance from which most of the cruise is left out of the program."""
     limits = Limits.from_bounds([0.3, None, None, None, 6765.041400008577, 417179.1665218815])
@@ -69,7 +70,7 @@ def test_a_longer_cruise_takes_its_own_time_and_no_more(distance):
     assert abs(gained) <= 1e-5 * long.duration
 
 
-@pytest.mark.parametrize("name", ONCE_FAR)
+@pytest.mark.parametrize("name", some(ONCE_FAR, 7))
 def test_gaps_that_were_once_above_1e_4(name):
     """By the motion's fault or the proof's."""
     limits = Limits.from_bounds(ONCE_FAR[name])
@@ -133,7 +134,7 @@ def test_no_feasible_motion_beats_the_bound(seed):
     assert not proof.reached
 
 
-@pytest.mark.parametrize("problem", [p for p in REFERENCES if p.id in SMOOTH])
+@pytest.mark.parametrize("problem", some([p for p in REFERENCES if p.id in SMOOTH], 2))
 def test_sensitivities_are_those_of_the_duration(problem):
     limits = limits_of(problem.bounds)
     proof = certify(min_time_move(problem.distance, limits), limits, rtol=1e-5)

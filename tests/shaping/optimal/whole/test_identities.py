@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from tiers import some
 from whole_problems import Bracketed, random_problem, reversed_in_time
 
 from jounce.shaping import InfeasibleError, Limits, certify, min_time_move, min_time_transfer
@@ -81,7 +82,7 @@ def test_a_wider_bound_is_never_slower_and_sensitivities_are_slopes():
     limits = Limits(velocity=1.2, acceleration=(-4.0, 1.0), jerk=10.0, snap=100.0)
     move = min_time_move(3.0, limits, rtol=1e-5)
     proof = certify(move, limits, rtol=1e-5)
-    for k in range(1, 5):
+    for k in some(range(1, 5), 2):
         pairs = [limits.bounds(j) for j in range(1, 5)]
         pairs[k - 1] = tuple(1.01 * side for side in pairs[k - 1])
         wider = min_time_move(3.0, Limits.from_bounds(pairs), rtol=1e-5)
