@@ -64,6 +64,8 @@ class Scenario(Frozen):
         The unit in which positions are reported; `position_scale` is its SI value.
     inertia : float
         The plant's, in kg m² or kg.
+    body : {"inertia", "mass", "chain", "transfer"}
+        The key that says what moves.
     gains : {"design", "published", "tune"}, Gains or CascadeSection
         The controller's gains, or how they are found.
     specification : Specification or None
@@ -105,6 +107,7 @@ class Scenario(Frozen):
     plant: PlantSection = field(default_factory=PlantSection)
     controller: ControllerSection = field(default_factory=ControllerSection)
     feedforward: FeedforwardSection = field(default_factory=FeedforwardSection)
+    body: str = "inertia"
     tracking: tuple[TrackingSection, ...] = ()
     limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict, hash=False)
     disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
@@ -276,6 +279,7 @@ def _inertia(checked: File | FileOf2) -> float:
 def _more(checked: FileOf2) -> dict[str, Any]:
     """Return what only files of format 2 say."""
     return {
+        "body": checked.plant.body,
         "plant": _part(PlantSection, checked.plant),
         "controller": _part(ControllerSection, checked.controller),
         "feedforward": _part(FeedforwardSection, checked.feedforward),

@@ -21,7 +21,8 @@ def plant_of(scenario: Scenario) -> Inertia | Axis:
     try:
         axis = _axis(scenario.inertia, scenario.plant)
     except ValueError as error:
-        raise ValueError(f"{scenario.path}: plant: {error}") from None
+        told = str(error).replace("torque_limit", _limit_name(scenario.plant))
+        raise ValueError(f"{scenario.path}: plant: {told}") from None
     return Inertia(axis.J) if scenario.plant == PlantSection() else axis
 
 
@@ -75,6 +76,13 @@ def _ripple(ripple: RippleSection) -> Ripple:
     if ripple.amplitude is not None:
         return Ripple.sine(ripple.amplitude, ripple.period)
     return Ripple(ripple.positions or (), ripple.torques or (), ripple.period)
+
+
+def _limit_name(plant: PlantSection) -> str:
+    """Return the key that limits the torque, of a current with what it is told in."""
+    if plant.current_limit is not None:
+        return "current_limit, seen at the axis a torque,"
+    return "torque_limit" if plant.force_limit is None else "force_limit"
 
 
 def _limit(plant: PlantSection) -> float:

@@ -76,6 +76,7 @@ def simulate(scene: Scene) -> Run:
             f"the response leaves the range of a double within {scene.duration!r}: the loop is "
             "unstable; shorten the duration"
         )
+    summed = float(memory[1] if loop is None else z[loop.integral])
     return Run(
         scene,
         hybrid,
@@ -84,6 +85,7 @@ def simulate(scene: Scene) -> Run:
         segments[:, 1].astype(int),
         segments[:, 2:],
         samples,
+        controller.integral_gain * summed,
     )
 
 
