@@ -7,6 +7,7 @@ import control
 import numpy as np
 import pytest
 
+from jounce.analysis.surveyed_moves import planned
 from jounce.app.scenario import load_scenario
 from jounce.app.scenario_commands import survey_conditions
 from jounce.app.scenario_loop import servo_loop_of
@@ -258,6 +259,33 @@ def test_the_inverse_is_exact_without_damping(write):
     omega = 2.0 * math.pi * 20.0
     assert found.torque == pytest.approx({2: 2.0, 4: 2.0 / omega**2})
     assert found.position == pytest.approx({2: 1.0 / (0.4 * omega**2)})
+
+
+@pytest.mark.parametrize("damping", ["1 %", "5 %"])
+def test_the_inverse_of_a_damped_mode_is_exact_too(write, damping):
+    plant = f"""
+inertia = "2 kg m^2"
+viscous = "0.5 N m s/rad"
+spring = "4 N m/rad"
+modes = [{{frequency = "20 Hz", damping = "{damping}", load_fraction = "60 %"}}]
+"""
+    gains = 'gains = {kp = "3e3 N m/rad", ki = "9e3 N m/(rad s)", kr = "300 N m s/rad"}'
+    limits = REST.replace('"20 deg/s^2"', '"20 deg/s^2"\njerk = "400 deg/s^3"')
+    more = "[feedforward]\ninverse = true\n"
+    scenario = load_scenario(write(file_of(plant, gains, more, limits)))
+    (move,) = scenario.moves
+    response = servo_loop_of(scenario).respond(planned(move), 0.01)
+    assert response.peak_load_error < 1e-12 * move.distance
+
+
+def test_an_inverse_that_is_unstable_is_one_line_with_its_remedy(write):
+    shapes = "motor_shape = 1.4, load_shape = -1.3"
+    plant = f'inertia = "2 kg m^2"\nmodes = [{{frequency = "20 Hz", {shapes}}}]'
+    path = write(file_of(plant, more="[feedforward]\ninverse = true\n"))
+    with pytest.raises(ValueError, match=r"case\.toml: feedforward: ") as caught:
+        servo_loop_of(load_scenario(path))
+    assert "unstable, with a pole at" in str(caught.value)
+    assert str(caught.value).endswith('; write inverse = "low-frequency", exact up to snap')
 
 
 def test_moves_are_shaped_timed_and_rounded(write):
