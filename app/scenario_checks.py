@@ -205,7 +205,10 @@ def listed(key: str, *, least: int = 0, write: str | None = None) -> BeforeValid
 
 
 def read_position_unit(value: object, info: ValidationInfo) -> str:
-    """Return the unit in which positions are reported."""
+    """Return the unit in which positions are reported, or are given in a file."""
+    if isinstance(value, str) and value.strip() in ("count", "counts"):
+        _context(info).spelled_out("count", value)
+        return "count"
     return parse_unit(value, [motion_kind(motion, 0) for motion in _context(info).motions])
 
 
@@ -224,7 +227,11 @@ def read_torque_density_unit(value: object, info: ValidationInfo) -> str:
 
 def read_position_density_unit(value: object, info: ValidationInfo) -> str:
     """Return the unit of a position's power spectral density in a file."""
-    return parse_unit(value, [density_kind("position", m) for m in _context(info).motions])
+    kinds = [density_kind("position", m) for m in _context(info).motions]
+    if isinstance(value, str):
+        parse_unit(_context(info).spelled_out(value, value)[1], kinds)
+        return value
+    return parse_unit(value, kinds)
 
 
 def _text(description: str, example: str) -> dict[str, Any]:

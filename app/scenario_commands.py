@@ -16,6 +16,7 @@ from ..shaping import (
     scan_move,
     tracking_transfer,
 )
+from .counted_units import counted_factor
 from .scenario import Scenario
 from .scenario_asked import (
     EncoderSpectrumSection,
@@ -26,7 +27,7 @@ from .scenario_asked import (
     TrackingSection,
 )
 from .scenario_kinds import SIDEREAL, density_kind
-from .units import conversion, factor
+from .units import factor
 
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
@@ -75,7 +76,8 @@ def _spectrum(
     frequencies, densities = _columns(section.path, *columns, scenario)
     kind = density_kind("torque" if of_torque else "position", scenario.motion)
     usual = kind.unit if of_torque else f"{scenario.position_unit}^2/Hz"
-    return Spectrum(frequencies, conversion(section.unit or usual, kind.unit) * densities, on=on)
+    scale = counted_factor(section.unit or usual, scenario.counted) / factor(kind.unit)
+    return Spectrum(frequencies, scale * densities, on=on)
 
 
 def torque_step_of(scenario: Scenario) -> TorqueSteps | None:
@@ -151,7 +153,7 @@ def _limits(name: str, scenario: Scenario) -> Limits:
 def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
     """Return what a follower makes of the positions in a file beside the scenario."""
     times, positions = _columns(file.path, file.time, file.position, scenario)
-    scale = factor(file.unit or scenario.position_unit)
+    scale = counted_factor(file.unit or scenario.position_unit, scenario.counted)
     follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
     return follow_commands(follower, times, scale * positions)
 

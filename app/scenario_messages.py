@@ -51,6 +51,7 @@ torque_constant = "0.5 N m/A"
 gear_ratio = 10.0
 current_lag = "0.5 ms"
 encoder_step = "0.1 arcsec"
+encoder_counts = 1048576
 sensor = "motor"
 constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}

@@ -32,7 +32,7 @@ NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
 _ORIGIN = (
     *("path", "title", "motion", "position_unit", "overrides", "limits_name", "name"),
-    *("limit_sets", "requirements", "body"),
+    *("limit_sets", "requirements", "body", "counted"),
 )
 _CONTROLLER = ("gains", "filters", "derivative_filter", "anti_windup", "discretisation")
 _FEEDFORWARD = (
