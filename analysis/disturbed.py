@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log, nan, sqrt
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from ..plant import LoopResponse, Ramp, ServoLoop, TorqueSteps, Wind
+from ..plant import LoopResponse, Ramp, ServoLoop, Spectrum, TorqueSteps, Wind
 from ..plant.response_figures import load_extremes, rms_error
 from ..shaping.checks import finite
 from .specification import Tracking
 from .surveyed_loop import Poles, followed_until, linear_part, shown_times
 
+Winds = Wind | Spectrum | Sequence[Wind | Spectrum] | None
+Noises = float | Spectrum | Sequence[float | Spectrum]
+_Source = TypeVar("_Source")
 _RECOVERED = 0.1  # of the peak
 _DECAY = log(1e6)
 
@@ -96,18 +100,10 @@ def disturbance_step(loop: ServoLoop, torque: float | TorqueSteps, poles: Poles)
 
 
 def error_budget(
-    loop: ServoLoop, wind: Wind | None, encoder_noise: float, poles: Poles
+    loop: ServoLoop, wind: Winds, encoder_noise: Noises, poles: Poles
 ) -> tuple[ErrorSource, ...]:
     """Return what each source of error does to the loop."""
-    found = []
-    if wind is not None:
-        of_wind = loop.deviations(wind)
-        remark = f"{wind.kind}, {wind.sigma:.4g} rms on the {wind.on}"
-        found.append(ErrorSource("wind", "random", of_wind.load, of_wind.torque, remark))
-    if encoder_noise:
-        of_noise = loop.deviations(encoder_noise=encoder_noise)
-        remark = "white, fresh at each sample"
-        found.append(ErrorSource("encoder noise", "random", of_noise.load, of_noise.torque, remark))
+    found = [*_torques(loop, _each(wind)), *_noises(loop, _each(encoder_noise))]
     step = loop.axis.encoder_step
     if step and loop.is_digital:
         coarse = loop.deviations(encoder_noise=step / sqrt(12.0))
@@ -118,6 +114,43 @@ def error_budget(
         spike = friction_spike(loop, poles)
         found.append(ErrorSource("friction at a reversal", "deterministic", spike, nan, remark))
     return tuple(found)
+
+
+def _each(given: Any) -> tuple[Any, ...]:
+    """Return none, one or several sources as a tuple."""
+    several = tuple(given) if isinstance(given, list | tuple) else (given,)
+    return tuple(each for each in several if isinstance(each, Spectrum) or each)
+
+
+def _torques(loop: ServoLoop, winds: Sequence[Wind | Spectrum]) -> Iterator[ErrorSource]:
+    """Yield what random torques do."""
+    for name, wind in _named(winds, "wind", "torque spectrum"):
+        does = loop.deviations(wind)
+        kind = _table(wind) if isinstance(wind, Spectrum) else wind.kind
+        remark = f"{kind}, {wind.sigma:.4g} rms on the {wind.on}"
+        yield ErrorSource(name, "random", does.load, does.torque, remark)
+
+
+def _noises(loop: ServoLoop, noises: Sequence[float | Spectrum]) -> Iterator[ErrorSource]:
+    """Yield what random errors of the encoder do."""
+    for name, noise in _named(noises, "encoder noise", "encoder spectrum"):
+        does = loop.deviations(encoder_noise=noise)
+        remark = _table(noise) if isinstance(noise, Spectrum) else "white, fresh at each sample"
+        yield ErrorSource(name, "random", does.load, does.torque, remark)
+
+
+def _named(sources: Sequence[_Source], usual: str, table: str) -> Iterator[tuple[str, _Source]]:
+    """Yield sources with their names, those of the same kind numbered from the second on."""
+    seen: Counter[str] = Counter()
+    for source in sources:
+        name = table if isinstance(source, Spectrum) else usual
+        seen[name] += 1
+        yield (name if seen[name] == 1 else f"{name} {seen[name]}"), source
+
+
+def _table(spectrum: Spectrum) -> str:
+    low, high = spectrum.reach_hz
+    return f"table from {low:.4g} to {high:.4g} Hz"
 
 
 def total_of(sources: Sequence[ErrorSource]) -> tuple[float, float]:

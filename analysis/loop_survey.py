@@ -6,13 +6,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from ..plant import ServoLoop, TorqueSteps, Wind
+from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
 from ..shaping.drawing import draw
 from .disturbed import (
     DisturbanceStep,
     ErrorSource,
+    Noises,
     TrackingSurvey,
+    Winds,
     disturbance_step,
     error_budget,
     tracking_survey,
@@ -154,8 +156,8 @@ def survey(
     jerk_filter: JerkFilter | None = None,
     modes: Sequence[Mode] = (),
     specification: Specification | None = None,
-    wind: Wind | None = None,
-    encoder_noise: float = 0.0,
+    wind: Winds = None,
+    encoder_noise: Noises = 0.0,
     torque_step: float | TorqueSteps | None = None,
     tracking: Sequence[Tracking] = (),
     requirements: Sequence[Requirement] = (),
@@ -181,10 +183,11 @@ def survey(
         to the `Axis`: the loop then shows what it leaves of them.
     specification : Specification, optional
         What the loop is to achieve.
-    wind : Wind, optional
-        For the error budget.
-    encoder_noise : float, optional
-        Standard deviation of each sample of a digital controller, for the error budget.
+    wind : Wind, Spectrum or a list of them, optional
+        Random torques, for the error budget.
+    encoder_noise : float, Spectrum or a list of them, optional
+        Standard deviation of each sample of a digital controller, or the spectrum of errors of
+        the measured position, for the error budget.
     torque_step : float or TorqueSteps, optional
         A torque on the load, or steps, against which the loop holds its position.
     tracking : sequence of Tracking, optional

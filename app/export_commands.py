@@ -41,9 +41,7 @@ def export_c_command(
     ],
     move: Annotated[
         str | None,
-        typer.Option(
-            help="Name of the move, if the scenario has several; shaper and servo: else the first."
-        ),
+        typer.Option(help="Name of the move, of a block of a move. Default: the first."),
     ] = None,
     name: Annotated[
         str | None, typer.Option(help="What names in C begin with. Default: the block's.")

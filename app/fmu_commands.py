@@ -48,9 +48,7 @@ def export_command(
     ],
     move: Annotated[
         str | None,
-        typer.Option(
-            help="Name of the move, if the scenario has several; a loop's default: the first."
-        ),
+        typer.Option(help="Name of the move, of a block of a move. Default: the first."),
     ] = None,
     fmi: Annotated[FmiVersion, typer.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
     output: Annotated[

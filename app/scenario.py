@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from ..analysis.specification import Bound, Mode, Move, Requirement, Specification
 from ..shaping.frozen import Frozen
 from . import scenario_checks as checks
+from .counted_units import counted_factor
 from .overrides import override
 from .scenario_asked import DisturbanceSection, FeedforwardSection, TrackingSection
 from .scenario_context import Context, context_of
@@ -28,7 +29,7 @@ from .scenario_messages import Place, lines_of, what_to_write
 from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
 from .scenario_shapers import shapers_of
 from .text_files import read_toml
-from .units import Motion, factor, show, unit_of
+from .units import Motion, show, unit_of
 
 __all__ = [
     "CascadeSection",
@@ -62,8 +63,12 @@ class Scenario(Frozen):
         Whether positions are in rad or in m.
     position_unit : str
         The unit in which positions are reported; `position_scale` is its SI value.
+    counted : mapping of str to str
+        What a "count" of the encoder and a "sample" are, where they are known.
     inertia : float
         The plant's, in kg m² or kg.
+    body : {"inertia", "mass", "chain", "transfer"}
+        The key that says what moves.
     gains : {"design", "published", "tune"}, Gains or CascadeSection
         The controller's gains, or how they are found.
     specification : Specification or None
@@ -105,6 +110,8 @@ class Scenario(Frozen):
     plant: PlantSection = field(default_factory=PlantSection)
     controller: ControllerSection = field(default_factory=ControllerSection)
     feedforward: FeedforwardSection = field(default_factory=FeedforwardSection)
+    body: str = "inertia"
+    counted: Mapping[str, str] = field(default_factory=dict, hash=False)
     tracking: tuple[TrackingSection, ...] = ()
     limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict, hash=False)
     disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
@@ -113,7 +120,7 @@ class Scenario(Frozen):
     @property
     def position_scale(self) -> float:
         """SI value, in rad or m, of one `position_unit`."""
-        return factor(self.position_unit)
+        return counted_factor(self.position_unit, self.counted)
 
 
 def load_scenario(
@@ -244,6 +251,7 @@ def _scenario(
         moves=tuple(_move(move, checked) for move in checked.moves),
         modes=tuple(Mode(m.name, m.frequency, m.damping / 100.0) for m in checked.modes),
         overrides=overrides,
+        counted=context.counted,
         **more,
     )
 
@@ -283,6 +291,7 @@ def _inertia(checked: File | FileOf2) -> float:
 def _more(checked: FileOf2) -> dict[str, Any]:
     """Return what only files of format 2 say."""
     return {
+        "body": checked.plant.body,
         "plant": _part(PlantSection, checked.plant),
         "controller": _part(ControllerSection, checked.controller),
         "feedforward": _part(FeedforwardSection, checked.feedforward),

@@ -13,7 +13,9 @@ from .scenario_checks import (
     LIMIT_SET,
     MODE_NAMES,
     NAME,
+    POSITION_DENSITY_UNIT,
     POSITION_UNIT,
+    TORQUE_DENSITY_UNIT,
     TORQUE_UNIT,
     TRACKING_NAME,
     whole,
@@ -228,6 +230,45 @@ class WindSection:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpectrumSection:
+    """A one-sided power spectral density: a table here, or two columns of a CSV file."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    frequencies: Annotated[tuple[float, ...] | None, kinds.FREQUENCIES] = None
+    path: Annotated[str | None, NAME] = None
+    frequency: Annotated[str, NAME] = "0"
+    density: Annotated[str, NAME] = "1"
+
+    def __post_init__(self) -> None:
+        table = (self.frequencies is not None) + (self._densities is not None)
+        if table + 2 * (self.path is not None) != 2:
+            raise ValueError(
+                "needs a table: write either frequencies and densities, or the path of a CSV file"
+            )
+
+    @property
+    def _densities(self) -> tuple[float, ...] | None:
+        return getattr(self, "densities", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueSpectrumSection(SpectrumSection):
+    """A random torque."""
+
+    densities: Annotated[tuple[float, ...] | None, kinds.TORQUE_DENSITIES] = None
+    unit: Annotated[str | None, TORQUE_DENSITY_UNIT] = None
+    on: _On = "load"
+
+
+@dataclass(frozen=True, kw_only=True)
+class EncoderSpectrumSection(SpectrumSection):
+    """Random errors of the measured position."""
+
+    densities: Annotated[tuple[float, ...] | None, kinds.POSITION_DENSITIES] = None
+    unit: Annotated[str | None, POSITION_DENSITY_UNIT] = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class DisturbanceSection:
     """What disturbs the loop."""
 
@@ -236,4 +277,6 @@ class DisturbanceSection:
     torque_sine: TorqueSineSection | None = None
     torque_file: TorqueFileSection | None = None
     wind: WindSection | None = None
+    torque_spectrum: TorqueSpectrumSection | None = None
+    encoder_spectrum: EncoderSpectrumSection | None = None
     encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0

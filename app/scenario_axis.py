@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, pi
 from typing import Any
 
 from ..plant import Axis, FlexibleMode, Friction, Inertia, Ripple, chain_axis, system_axis
@@ -18,10 +18,17 @@ def plant_of(scenario: Scenario) -> Inertia | Axis:
     ValueError
         For modes that do not fit together, or an axis that cannot hold its load.
     """
+    counts = scenario.plant.encoder_counts
+    if counts is not None and scenario.motion == "length":
+        raise ValueError(
+            f"{scenario.path}: plant.encoder_counts: {counts} a revolution, and a linear axis has "
+            'none; write encoder_step = "10 nm"'
+        )
     try:
         axis = _axis(scenario.inertia, scenario.plant)
     except ValueError as error:
-        raise ValueError(f"{scenario.path}: plant: {error}") from None
+        told = str(error).replace("torque_limit", _limit_name(scenario.plant))
+        raise ValueError(f"{scenario.path}: plant: {told}") from None
     return Inertia(axis.J) if scenario.plant == PlantSection() else axis
 
 
@@ -66,7 +73,7 @@ def _drive(plant: PlantSection) -> dict[str, Any]:
         "torque_constant": plant.torque_constant,
         "gear_ratio": plant.gear_ratio,
         "current_lag": plant.current_lag,
-        "encoder_step": plant.encoder_step,
+        "encoder_step": _step(plant),
         "sensor": plant.sensor,
     }
 
@@ -75,6 +82,18 @@ def _ripple(ripple: RippleSection) -> Ripple:
     if ripple.amplitude is not None:
         return Ripple.sine(ripple.amplitude, ripple.period)
     return Ripple(ripple.positions or (), ripple.torques or (), ripple.period)
+
+
+def _step(plant: PlantSection) -> float:
+    """Return the encoder's resolution, of counts per revolution in rad."""
+    return plant.encoder_step if plant.encoder_counts is None else 2.0 * pi / plant.encoder_counts
+
+
+def _limit_name(plant: PlantSection) -> str:
+    """Return the key that limits the torque, of a current with what it is told in."""
+    if plant.current_limit is not None:
+        return "current_limit, seen at the axis a torque,"
+    return "torque_limit" if plant.force_limit is None else "force_limit"
 
 
 def _limit(plant: PlantSection) -> float:

@@ -34,7 +34,7 @@ BLOCKS: tuple[str, ...] = get_args(BlockName)
 FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant", "servo"]
 
 OF_A_MOVE = ("trajectory", "follower", "shaper", "loop", "servo")
-"""Blocks that need a move of the scenario."""
+"""Blocks that need a move of the scenario: the one that is named, or else the first."""
 
 
 def export_block(
@@ -58,8 +58,7 @@ def export_block(
     dt : float
         Sample time of what is sampled: controller, follower.
     move : str, optional
-        Name of the move for a trajectory, follower or loop. Default: the only one there is; of
-        several, a loop takes the first, and its notes say so.
+        Name of the move for a block of a move. Default: the first; of several, the notes say so.
     fmi_version : "2.0" or "3.0", optional
     platforms : list of str, optional
         As in `export_fmu`.
@@ -74,10 +73,10 @@ def export_block(
         For a move, or a part, that the scenario does not have; as `export_fmu` does.
     """
     unit = "rad" if scenario.motion == "angle" else "m"
+    notes = _chosen(scenario, block, move)
     if block == "loop":
         from ..fmu.exporting.ssp import export_ssp
 
-        move, notes = _first_of(scenario, move)
         loop = servo_loop_of(scenario)
         made = export_ssp(
             path,
@@ -90,9 +89,6 @@ def export_block(
             unit=unit,
         )
         return replace(made, notes=(*notes, *_own_time(loop, dt), *made.notes))
-    notes = ()
-    if block == "servo":
-        move, notes = _first_of(scenario, move)
     source, told = _source(scenario, block, dt, move)
     alone = export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
     return replace(alone, notes=(*notes, *told, *alone.notes))
@@ -113,13 +109,13 @@ def export_c_block(
     ----------
     scenario : Scenario
     block : "shaper", "trajectory", "follower", "filter", "controller", "plant" or "servo"
-        A shaper is the follower. Without a move, shaper and servo take the first.
+        A shaper is the follower.
     folder : Path
         As in `export_c`.
     dt : float
         Sample time of what is sampled: controller, follower, shaper.
     move : str, optional
-        Name of the move for a trajectory, follower or shaper.
+        As in `export_block`.
     name : str, optional
         What names in C begin with. Default: the block's.
 
@@ -135,21 +131,18 @@ def export_c_block(
         As `export_c` does.
     """
     unit = "rad" if scenario.motion == "angle" else "m"
-    notes: tuple[str, ...] = ()
-    if block in ("shaper", "servo"):
-        move, notes = _first_of(scenario, move)
     source, told = _source(scenario, block, dt, move)
     made = export_c(source, folder, name=block if name is None else name, unit=unit)
-    return made, (*notes, *told)
+    return made, (*_chosen(scenario, block, move), *told)
 
 
-def _first_of(scenario: Scenario, move: str | None) -> tuple[str | None, tuple[str, ...]]:
-    """Return a move's name, the first where none is given, and what is to be said of that."""
+def _chosen(scenario: Scenario, block: str, move: str | None) -> tuple[str, ...]:
+    """Return what is to be said where a block takes the first of several moves."""
     names = [own.name for own in scenario.moves]
-    if move is not None or len(names) < 2:
-        return move, ()
+    if block not in OF_A_MOVE or move is not None or len(names) < 2:
+        return ()
     others = ", ".join(map(repr, names[1:]))
-    return names[0], (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
+    return (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
 
 
 def _source(
@@ -198,16 +191,15 @@ def _follower_of(scenario: Scenario, dt: float, move: str | None) -> CommandFoll
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:
-    """Return the move of this name, or the only one; ValueError that lists them otherwise."""
+    """Return the move of this name, or the first; ValueError that lists them otherwise."""
     names = [move.name for move in scenario.moves]
-    if name is None and len(names) == 1:
-        return scenario.moves[0]
     if not names:
         raise ValueError(f"{scenario.path}: has no moves; write [[moves]], or export another block")
+    if name is None:
+        return scenario.moves[0]
     if name not in names:
-        problem = "has several moves" if name is None else f"has no move {name!r}"
         listed = ", ".join(map(repr, names))
-        raise ValueError(f"{scenario.path}: {problem}; give --move one of {listed}")
+        raise ValueError(f"{scenario.path}: has no move {name!r}; give --move one of {listed}")
     return scenario.moves[names.index(name)]
 
 

@@ -10,6 +10,7 @@ from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES
 from .scenario_context import INERTIA_KINDS, Context, positive_kind
 from .scenario_keys import Key, Quantity, quantity_schema
+from .scenario_kinds import density_kind
 from .scenario_messages import unknown_key, what_to_write
 from .units import Kind, Motion, motion_kind, parse_unit, show
 
@@ -204,7 +205,10 @@ def listed(key: str, *, least: int = 0, write: str | None = None) -> BeforeValid
 
 
 def read_position_unit(value: object, info: ValidationInfo) -> str:
-    """Return the unit in which positions are reported."""
+    """Return the unit in which positions are reported, or are given in a file."""
+    if isinstance(value, str) and value.strip() in ("count", "counts"):
+        _context(info).spelled_out("count", value)
+        return "count"
     return parse_unit(value, [motion_kind(motion, 0) for motion in _context(info).motions])
 
 
@@ -213,6 +217,20 @@ def read_torque_unit(value: object, info: ValidationInfo) -> str:
     units = {"angle": ("a torque", "N m"), "length": ("a force", "N")}
     named = [units[motion] for motion in _context(info).motions]
     kinds = [Kind(name=name, unit=unit, example=f"5 {unit}") for name, unit in named]
+    return parse_unit(value, kinds)
+
+
+def read_torque_density_unit(value: object, info: ValidationInfo) -> str:
+    """Return the unit of a torque's power spectral density in a file."""
+    return parse_unit(value, [density_kind("torque", m) for m in _context(info).motions])
+
+
+def read_position_density_unit(value: object, info: ValidationInfo) -> str:
+    """Return the unit of a position's power spectral density in a file."""
+    kinds = [density_kind("position", m) for m in _context(info).motions]
+    if isinstance(value, str):
+        parse_unit(_context(info).spelled_out(value, value)[1], kinds)
+        return value
     return parse_unit(value, kinds)
 
 
@@ -245,6 +263,9 @@ DISTANCE = Key(read_distance, _moved_schema())
 SETTLE_TO = Key(read_settle_to, _moved_schema(positive=True))
 POSITION_UNIT = Key(read_position_unit, _text("the unit in which positions are told", "arcsec"))
 TORQUE_UNIT = Key(read_torque_unit, _text("the unit of torques in a file", "N m"))
+_DENSITY = "the unit of densities in a file"
+TORQUE_DENSITY_UNIT = Key(read_torque_density_unit, _text(_DENSITY, "N^2 m^2/Hz"))
+POSITION_DENSITY_UNIT = Key(read_position_density_unit, _text(_DENSITY, "arcsec^2/Hz"))
 BOUND = Key(read_bound, _BOUND)
 LIMITS = WithJsonSchema(
     {

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ..analysis.specification import Tracking
-from ..plant import Ramp, SampledTorque, Sine, TorqueSine, TorqueSteps, Wind
+from ..plant import Ramp, SampledTorque, Sine, Spectrum, TorqueSine, TorqueSteps, Wind
 from ..shaping import (
     CommandFollower,
     Limits,
@@ -14,22 +16,27 @@ from ..shaping import (
     scan_move,
     tracking_transfer,
 )
+from .counted_units import counted_factor
 from .scenario import Scenario
 from .scenario_asked import (
+    EncoderSpectrumSection,
     FileSection,
     TorqueFileSection,
     TorqueSineSection,
+    TorqueSpectrumSection,
     TrackingSection,
 )
-from .scenario_kinds import SIDEREAL
+from .scenario_kinds import SIDEREAL, density_kind
 from .units import factor
 
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
     """Return what `survey` takes of a scenario besides loop and moves, by its keywords."""
     return {
-        "wind": wind_of(scenario),
-        "encoder_noise": scenario.disturbances.encoder_noise,
+        "wind": _with_spectrum(wind_of(scenario), scenario, "torque_spectrum"),
+        "encoder_noise": _with_spectrum(
+            scenario.disturbances.encoder_noise, scenario, "encoder_spectrum"
+        ),
         "torque_step": torque_step_of(scenario),
         "tracking": tracking_of(scenario),
         "requirements": scenario.requirements,
@@ -45,10 +52,36 @@ def wind_of(scenario: Scenario) -> Wind | None:
     return Wind(wind.kind, wind.sigma, corner_hz=wind.corner, length_over_speed=over, on=wind.on)
 
 
+def _with_spectrum(other: Any, scenario: Scenario, key: str) -> Any:
+    """Return another source, with the spectrum of a key of the disturbances if there is one."""
+    section: TorqueSpectrumSection | EncoderSpectrumSection | None
+    section = getattr(scenario.disturbances, key)
+    if section is None:
+        return other
+    try:
+        return other, _spectrum(section, scenario)
+    except ValueError as error:
+        told = str(error).replace("frequencies_hz", "frequencies")
+        raise ValueError(f"{scenario.path}: disturbances.{key}: {told}") from None
+
+
+def _spectrum(
+    section: TorqueSpectrumSection | EncoderSpectrumSection, scenario: Scenario
+) -> Spectrum:
+    of_torque = isinstance(section, TorqueSpectrumSection)
+    on: Any = section.on if isinstance(section, TorqueSpectrumSection) else "load"
+    if section.path is None:
+        return Spectrum(np.array(section.frequencies), np.array(section.densities), on=on)
+    columns = section.frequency, section.density
+    frequencies, densities = _columns(section.path, *columns, scenario)
+    kind = density_kind("torque" if of_torque else "position", scenario.motion)
+    usual = kind.unit if of_torque else f"{scenario.position_unit}^2/Hz"
+    scale = counted_factor(section.unit or usual, scenario.counted) / factor(kind.unit)
+    return Spectrum(frequencies, scale * densities, on=on)
+
+
 def torque_step_of(scenario: Scenario) -> TorqueSteps | None:
     """Return the disturbing step of torque, if there is one."""
-    import numpy as np
-
     step = scenario.disturbances.torque_step
     if step is None:
         return None
@@ -120,7 +153,7 @@ def _limits(name: str, scenario: Scenario) -> Limits:
 def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
     """Return what a follower makes of the positions in a file beside the scenario."""
     times, positions = _columns(file.path, file.time, file.position, scenario)
-    scale = factor(file.unit or scenario.position_unit)
+    scale = counted_factor(file.unit or scenario.position_unit, scenario.counted)
     follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
     return follow_commands(follower, times, scale * positions)
 

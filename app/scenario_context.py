@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal, DecimalException
 from typing import Any
 
+from .counted_units import spelled_out
 from .units import (
     Kind,
     Motion,
@@ -34,12 +35,8 @@ INERTIA_KINDS: dict[Motion, tuple[Kind, ...]] = {
     ),
     "length": (positive_kind("a positive mass for linear moves", "1 kg"),),
 }
-_COUNTED = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(count|sample)s?\b(.*)", re.DOTALL)
+_NUMBER = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _PER_SECOND = re.compile(r"^\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*1?\s*/\s*s\s*$")
-_WHERE = {
-    "count": 'of an encoder that is not given; write encoder_step = "0.1 arcsec" into [plant]',
-    "sample": 'that are not given; write sample_time = "1 ms" into [controller]',
-}
 
 
 @dataclass(frozen=True)
@@ -75,18 +72,21 @@ class Context:
         """Return a text with counts of the encoder, or samples, in the unit of what they count."""
         if not isinstance(value, str):
             return value
-        match = _COUNTED.fullmatch(value)
-        if match is None:
+        match = _NUMBER.fullmatch(value)
+        if match is None or not ("count" in value or "sample" in value):
             return _PER_SECOND.sub(r"\1 s^-1", value)
-        number, word, rest = match.groups()
-        if word not in self.counted:
-            raise UnitError(f"{show(value)} is in {word}s {_WHERE[word]}, or another unit")
-        of = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", self.counted[word])
-        assert of is not None  # it was read as a quantity
+        size, unit = self.spelled_out(match[2], value)
         try:
-            return f"{Decimal(number) * Decimal(of[1])} {of[2]}{rest}"
+            return f"{Decimal(match[1]) * size} {unit}"
         except DecimalException:
             return value
+
+    def spelled_out(self, unit: str, whole: object) -> tuple[Decimal, str]:
+        """Return a unit without counts and samples, and by what it is to be multiplied."""
+        try:
+            return spelled_out(unit, self.counted)
+        except UnitError as error:
+            raise UnitError(str(error).replace(show(unit), show(whole), 1)) from None
 
 
 def context_of(content: dict[str, Any]) -> Context:
@@ -110,6 +110,10 @@ def _votes(content: dict[str, Any]) -> Iterator[Motion]:
             with suppress(UnitError):
                 parse_any(inertia, kinds)
                 yield motion
+    with suppress(UnitError):
+        yield parse_motion(plant.get("encoder_step"), 0)[1]
+    if "encoder_counts" in plant:
+        yield "angle"
     for move in moves if isinstance(moves, list) else ():
         for key in ("distance", "settle_to") if isinstance(move, dict) else ():
             with suppress(UnitError):
@@ -118,8 +122,11 @@ def _votes(content: dict[str, Any]) -> Iterator[Motion]:
 
 def _counted(content: dict[str, Any]) -> dict[str, str]:
     """Return the encoder's step and the sample time, where they are right."""
-    step, sample = _table(content, "plant").get("encoder_step"), _period(content)
+    plant, sample = _table(content, "plant"), _period(content)
+    step, counts = plant.get("encoder_step"), plant.get("encoder_counts")
     found = {}
+    if isinstance(counts, int) and not isinstance(counts, bool) and counts > 0:
+        found["count"] = f"{Decimal(1) / Decimal(counts)} rev"
     with suppress(UnitError):
         parse_motion(step, 0, positive=True)
         found["count"] = str(step)

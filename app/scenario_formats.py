@@ -132,8 +132,7 @@ class PlantOf2(PlantSection):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        bodies = ("inertia", "mass", "chain", "transfer")
-        given = [name for name in bodies if getattr(self, name) is not None]
+        given = self._bodies
         if len(given) != 1:
             raise ValueError(
                 f"has {' and '.join(given) or 'nothing to move'}; write one of "
@@ -141,6 +140,16 @@ class PlantOf2(PlantSection):
             )
         if given[0] in ("chain", "transfer") and self.modes:
             raise ValueError(f"has modes beside a {given[0]}, which has its own; keep one of them")
+
+    @property
+    def body(self) -> str:
+        """The key that says what moves."""
+        return self._bodies[0]
+
+    @property
+    def _bodies(self) -> list[str]:
+        keys = ("inertia", "mass", "chain", "transfer")
+        return [name for name in keys if getattr(self, name) is not None]
 
 
 @dataclass(frozen=True, kw_only=True)

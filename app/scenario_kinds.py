@@ -93,6 +93,21 @@ SPRINGS, DAMPERS = (
 POSITIONS, TORQUES = (
     Quantity(each.angle, each.length, several=True) for each in (moved(), torque())
 )
+FREQUENCIES = Quantity((FREQUENCY,), (FREQUENCY,), several=True)
+
+
+def density_kind(of: str, motion: Motion) -> Kind:
+    """Return the kind of a power spectral density, "torque" or "position"."""
+    units = {"torque": ("N^2 m^2/Hz", "N^2/Hz"), "position": ("rad^2/Hz", "m^2/Hz")}
+    nouns = {"torque": ("torque", "force"), "position": ("angle", "length")}
+    unit, noun = units[of][motion == "length"], nouns[of][motion == "length"]
+    return _kind(f"a positive density of {noun} squared", unit, "2", above=0.0)
+
+
+TORQUE_DENSITIES, POSITION_DENSITIES = (
+    Quantity((density_kind(of, "angle"),), (density_kind(of, "length"),), several=True)
+    for of in ("torque", "position")
+)
 SHARE = _alike(_SHARE, scale=0.01)
 DAMPING = _alike(_DAMPING, scale=0.01)
 ZERO_DAMPING = _alike(_DEPTH, scale=0.01)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -182,12 +183,7 @@ def feedforward_of(
         except ValueError as error:
             use, remedy = "use low_frequency_feedforward(axis)", 'write inverse = "low-frequency"'
             raise ValueError(str(error).replace(use, remedy)) from None
-        return Feedforward(
-            found.torque,
-            position=found.position,
-            friction=section.friction or found.friction,
-            lead=lead,
-        )
+        return replace(found, friction=section.friction or found.friction, lead=lead)
     inertia = scenario.feedforward_inertia
     if not (section.gains or section.friction or lead):
         return InertiaFeedforward(inertia) if isfinite(inertia) else None

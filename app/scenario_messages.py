@@ -51,6 +51,7 @@ torque_constant = "0.5 N m/A"
 gear_ratio = 10.0
 current_lag = "0.5 ms"
 encoder_step = "0.1 arcsec"
+encoder_counts = 1048576
 sensor = "motor"
 constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}
@@ -151,6 +152,21 @@ torque = "1"
 duration = "10 s"
 after = "5 s"
 on = "load"
+[disturbances.torque_spectrum]
+frequencies = ["0.1 Hz", "10 Hz"]
+densities = ["2 N^2 m^2/Hz", "0.1 N^2 m^2/Hz"]
+path = "wind.csv"
+unit = "N^2 m^2/Hz"
+frequency = "0"
+density = "1"
+on = "load"
+[disturbances.encoder_spectrum]
+frequencies = ["1 Hz", "500 Hz"]
+densities = ["4 mas^2/Hz", "0.1 mas^2/Hz"]
+path = "encoder.csv"
+unit = "mas^2/Hz"
+frequency = "0"
+density = "1"
 [disturbances.wind]
 kind = "von_karman"
 sigma = "1 N m"

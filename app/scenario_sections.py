@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from . import scenario_kinds as kinds
-from .scenario_checks import GAIN, NAME, listed
+from .scenario_checks import GAIN, NAME, listed, whole
 from .scenario_keys import OrWord, choice, number, numbers
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
@@ -108,6 +108,7 @@ class PlantSection:
     gear_ratio: _Factor = 1.0
     current_lag: Annotated[float, kinds.TIME] = 0.0
     encoder_step: Annotated[float, kinds.moved(sign="not below zero")] = 0.0
+    encoder_counts: Annotated[int | None, whole(2**62, "encoder_counts = 1048576")] = None
     sensor: Annotated[Literal["motor", "load", "both"], choice("motor", "load", "both")] = "motor"
     constant_load: Annotated[float, kinds.torque()] = 0.0
 
@@ -116,6 +117,8 @@ class PlantSection:
         given = [name for name in limits if getattr(self, name) is not None]
         if len(given) > 1:
             raise ValueError(f"has {' and '.join(given)}, which limit the same; keep one")
+        if self.encoder_counts is not None and self.encoder_step:
+            raise ValueError("has encoder_step and encoder_counts, which say the same; keep one")
         if self.current_limit is not None and self.torque_constant is None:
             raise ValueError(
                 "has a current_limit, and current makes no torque without a constant; write "

@@ -27,7 +27,7 @@ _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "^": "**", "−": "-", "²": "**2", "³": "**3"} | SPELLINGS | {"°": "deg"}
 )
 _POWER = r"[A-Za-z]+(?:\*\*-?[1-9][0-9]?)?"
-_FACTOR = rf"(?:{_POWER}|\({_POWER}(?:\*{_POWER})*\))"
+_FACTOR = rf"(?:{_POWER}|\({_POWER}(?:\*{_POWER})*\)(?:\*\*[1-9][0-9]?)?)"
 # A product behind a solidus is refused: a/b c is read as a/(b c) by people, as (a/b) c by pint.
 _UNIT = re.compile(rf"{_FACTOR}(?:\*{_FACTOR})*(?:/{_FACTOR})*")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

@@ -20,11 +20,12 @@ from .loop_response import LoopResponse
 from .many import respond_all
 from .pid import PID
 from .pid_design import design_pid
-from .realisation import wind_realisation
+from .realisation import noise_realisation, wind_realisation
 from .ripple import Ripple
 from .sampled import zero_order_hold
 from .servo_loop import ServoLoop
 from .shaper_systems import filter_system
+from .spectrum import Spectrum
 
 __all__ = [
     "PID",
@@ -50,6 +51,7 @@ __all__ = [
     "Sensitivity",
     "ServoLoop",
     "Sine",
+    "Spectrum",
     "TorqueSine",
     "TorqueSteps",
     "Wind",
@@ -60,6 +62,7 @@ __all__ = [
     "filter_system",
     "inverse_feedforward",
     "low_frequency_feedforward",
+    "noise_realisation",
     "respond",
     "respond_all",
     "system_axis",

@@ -134,6 +134,17 @@ class Axis(Frozen):
                 f"torque_limit = {limit!r} cannot hold the constant_load = {self.constant_load!r}: "
                 "raise the limit above the load"
             )
+        self._check_breakaway()
+
+    def _check_breakaway(self) -> None:
+        """Refuse a drive that never moves its axis, whichever way load and ripple help it."""
+        helped = self.torque_limit + abs(self.constant_load)
+        helped += 0.0 if self.ripple is None else float(np.abs(self.ripple.torques).max())
+        if self.friction is not None and helped <= self.friction.holds:
+            raise ValueError(
+                f"torque_limit = {self.torque_limit!r} never overcomes the static friction of "
+                f"{self.friction.holds!r}: raise the limit above it"
+            )
 
     def _friction_moves(self) -> bool:
         dynamics = self.rigid_current

@@ -111,6 +111,18 @@ class Controller(Frozen):
         return self.law.ki if isinstance(self.law, PID) else self.law.integral_gain
 
     @property
+    def standing_gain(self) -> float:
+        """How fast the torque grows per error that stays: the integral's, behind the filters."""
+        error = self.law.position_gain if isinstance(self.law, CascadedPI) else 1.0
+        return self.integral_gain * error * self.filter_gain
+
+    @property
+    def filter_gain(self) -> float:
+        """What the filters make of a constant."""
+        gains = [filter_system_of(f).dcgain(warn_infinite=False) for f in self.filters]
+        return float(np.prod(gains))
+
+    @property
     def rate_filter(self) -> float:
         """Time constant of the filter of the error's rate, or of the velocity."""
         law = self.law

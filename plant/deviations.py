@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, inf, pi
+from math import ceil, inf, log, pi
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,11 @@ from ..shaping.pieces import FloatArray
 from .axis import Axis
 from .controller import Controller
 from .disturbances import Wind
+from .feedforward import Feedforward
 from .linear_system import linear_system
-from .open_loop import OpenLoop
+from .open_loop import OpenLoop, open_loop
 from .sampled import exponential_less_one, zero_order_hold
+from .spectrum import Folded, Spectrum
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
@@ -45,10 +47,10 @@ class LoopDeviations:
 
 
 def digital_deviations(
-    axis: Axis, controller: Controller, wind: Wind | None, encoder_noise: float
+    axis: Axis, controller: Controller, wind: Wind | Spectrum | None, noise: float | Spectrum
 ) -> LoopDeviations:
-    """Return the deviations of a loop in wind, with white noise on each sample of the encoder."""
-    return _Sampled(axis, controller).deviations(wind, encoder_noise)
+    """Return the deviations of a loop in wind, with noise on each sample of the encoder."""
+    return _Sampled(axis, controller).deviations(wind, noise)
 
 
 class _Sampled:
@@ -64,11 +66,14 @@ class _Sampled:
         self.seen = np.array([seen, d.load if self.sensor == "load" else d.motor])
         self.noisy = np.array([1.0, 0.0 if self.sensor == "both" else 1.0])
 
-    def deviations(self, wind: Wind | None, noise: float) -> LoopDeviations:
-        irrational = wind is not None and wind.kind == "von_karman"
-        parts = [self.by_covariance(None if irrational else wind, noise)]
-        if irrational and wind is not None:
-            parts.append(self.over_frequency(wind))
+    def deviations(self, wind: Wind | Spectrum | None, noise: float | Spectrum) -> LoopDeviations:
+        white = 0.0 if isinstance(noise, Spectrum) else noise
+        rational = wind if isinstance(wind, Wind) and wind.kind != "von_karman" else None
+        parts = [self.by_covariance(rational, white)]
+        if wind is not None and rational is None:
+            parts.append(self.in_wind(wind))
+        if isinstance(noise, Spectrum):
+            parts.append(self.in_noise(Folded(noise, self.dt)))
         total = np.sqrt(np.square(parts).sum(axis=0))
         return LoopDeviations(*total.tolist())
 
@@ -136,29 +141,39 @@ class _Sampled:
                 total += float(w) * (end - start) / self.dt * float(variance)
         return total
 
-    def over_frequency(self, wind: Wind) -> FloatArray:
+    def in_wind(self, wind: Wind | Spectrum) -> FloatArray:
         """Return the four deviations by the integral over all frequencies of the wind."""
-        a, b = self.dynamics.a, self.dynamics.b
-        held = _hold(a, b[:, 0], self.dt, self.delay)
-        push = b[:, 1 + (wind.on == "load")]
+        push = self.dynamics.b[:, 1 + (wind.on == "load")]
 
         def responses(f: FloatArray) -> FloatArray:
             s = np.asarray(2j * pi * f, dtype=complex)
-            z = np.exp(s * self.dt)
-            states = _resolvent(a, push, s)
-            held_states = _resolvent(np.asarray(held.A), np.asarray(held.B)[:, 0], z)
-            ac, bc, cc, dc = self.k
-            inner = np.array([cc @ _resolvent(ac, column, z) for column in bc.T])[:, 0]
-            k = inner + dc.T  # from e and e_motor
-            size = self.dynamics.size
-            asked = -(k * (self.seen @ states)).sum(axis=0)
-            loop = (k * (self.seen @ held_states[:size])).sum(axis=0)
-            u = asked / (1.0 + loop)
-            moved = states + held_states[:size] * u
-            rows = [self.dynamics.load @ moved, self.dynamics.motor @ moved, u]
-            return np.asarray(np.abs(np.array([*rows, np.full_like(u, np.nan)])) ** 2)
+            states = _resolvent(self.dynamics.a, push, s)
+            return self._squares(np.exp(s * self.dt), self.seen @ states, states)
 
-        return np.sqrt(_over_frequencies(wind, responses, a, 0.5 / self.dt))
+        return np.sqrt(_over_frequencies(wind, responses, self.dynamics.a, 0.5 / self.dt))
+
+    def in_noise(self, noise: Folded) -> FloatArray:
+        """Return the four deviations by the integral up to half the sample rate."""
+
+        def responses(f: FloatArray) -> FloatArray:
+            z = np.exp(np.asarray(2j * pi * f, dtype=complex) * self.dt)
+            errors = np.outer(self.noisy, np.ones(f.size))
+            return self._squares(z, errors, np.zeros((self.dynamics.size, f.size)))
+
+        return np.sqrt(_over_frequencies(noise, responses, self.dynamics.a, 0.5 / self.dt))
+
+    def _squares(self, z: ComplexArray, seen: Any, states: Any) -> FloatArray:
+        """Return the squares of what the loop makes of what is seen, and moves, without it."""
+        held = _hold(self.dynamics.a, self.dynamics.b[:, 0], self.dt, self.delay)
+        following = _resolvent(np.asarray(held.A), np.asarray(held.B)[:, 0], z)
+        following = following[: self.dynamics.size]
+        ac, bc, cc, dc = self.k
+        k = np.array([cc @ _resolvent(ac, column, z) for column in bc.T])[:, 0] + dc.T
+        loop = (k * (self.seen @ following)).sum(axis=0)
+        u = -(k * seen).sum(axis=0) / (1.0 + loop)
+        moved = states + following * u
+        rows = [self.dynamics.load @ moved, self.dynamics.motor @ moved, u]
+        return np.asarray(np.abs(np.array([*rows, np.full_like(u, np.nan)])) ** 2)
 
 
 class _Torques:
@@ -173,33 +188,63 @@ class _Torques:
         return np.eye(len(self.asked))[self.n + ago - 1], 0.0
 
 
-def continuous_deviations(axis: Axis, loop: OpenLoop, wind: Wind | None) -> LoopDeviations:
-    """Return the deviations of a continuous loop in wind."""
+def continuous_deviations(
+    axis: Axis, controller: Controller, wind: Wind | Spectrum | None, noise: Spectrum | None
+) -> LoopDeviations:
+    """Return the deviations of a continuous loop in wind, with noise of the measured position."""
+    whole = open_loop(axis, controller, Feedforward()).without_idle_integral()
+    a, _ = whole.closed()
+    _check_stable(np.linalg.eigvals(a).real.max() < 0.0)
+    variances = np.zeros(3)
+    if wind is not None:
+        variances += _in_wind(axis, whole, wind)
+    if noise is not None:
+        variances += _in_noise(axis, whole, controller, noise)
+    load, motor, torque = np.sqrt(variances).tolist()
+    return LoopDeviations(load, motor, torque, load)
+
+
+def _in_wind(axis: Axis, loop: OpenLoop, wind: Wind | Spectrum) -> FloatArray:
+    """Return variances of load, motor and torque of a continuous loop in wind."""
     from scipy.linalg import solve_continuous_lyapunov
 
-    if wind is None:
-        return LoopDeviations(0.0, 0.0, 0.0, 0.0)
-    o, d = loop.without_idle_integral(), axis.dynamics
-    a, _ = o.closed()
-    n = len(a)
-    rows = np.array([_wide(row[None], n)[0] for row in (d.load, d.motor)] + [o.asked[:n]])
-    push = o.disturbed[:, int(wind.on == "load")]
-    if wind.kind == "von_karman":
+    a, _ = loop.closed()
+    n, d = len(a), axis.dynamics
+    rows = np.array([_wide(row[None], n)[0] for row in (d.load, d.motor)] + [loop.asked[:n]])
+    push = loop.disturbed[:, int(wind.on == "load")]
+    if isinstance(wind, Spectrum) or wind.kind == "von_karman":
 
         def responses(f: FloatArray) -> FloatArray:
             return np.asarray(
                 np.abs(rows @ _resolvent(a, push, np.asarray(2j * pi * f, dtype=complex))) ** 2
             )
 
-        variances = _over_frequencies(wind, responses, a, inf)
-    else:
-        _check_stable(np.linalg.eigvals(a).real.max() < 0.0)
-        whole, _, white = _with_wind(a, np.column_stack([push] * 3), wind)
-        covariance = solve_continuous_lyapunov(whole, -white)
-        variances = np.array([_wide(r[None], len(whole))[0] for r in rows])
-        variances = np.einsum("ij,jk,ik->i", variances, covariance, variances)
-    load, motor, torque = np.sqrt(variances).tolist()
-    return LoopDeviations(load, motor, torque, load)
+        return _over_frequencies(wind, responses, a, inf)
+    whole, _, white = _with_wind(a, np.column_stack([push] * 3), wind)
+    covariance = solve_continuous_lyapunov(whole, -white)
+    wide = np.array([_wide(r[None], len(whole))[0] for r in rows])
+    return np.asarray(np.einsum("ij,jk,ik->i", wide, covariance, wide))
+
+
+def _in_noise(axis: Axis, loop: OpenLoop, controller: Controller, noise: Spectrum) -> FloatArray:
+    """Return variances of load, motor and torque of a continuous loop whose sensor is noisy."""
+    d, (a, fed) = axis.dynamics, loop.closed()
+    n = len(a)
+    if axis.sensor != "both":
+        law, seen = controller.transfer(), d.motor if axis.sensor == "motor" else d.load
+
+    def responses(f: FloatArray) -> FloatArray:
+        s = np.asarray(2j * pi * f, dtype=complex)
+        if axis.sensor == "both":  # of the position alone: as the command, but for its rate
+            u = -loop.asked[:n] @ _resolvent(a, fed[:, 0], s) - loop.asked[n]
+        states = _resolvent(d.a, d.b[:, 0], s)
+        if axis.sensor != "both":
+            k = law(s)
+            u = -k / (1.0 + k * (seen @ states))
+        moved = np.array([d.load @ states, d.motor @ states, np.ones(f.size)]) * u
+        return np.asarray(np.abs(moved) ** 2)
+
+    return _over_frequencies(noise, responses, a, inf)
 
 
 def _with_wind(
@@ -282,19 +327,23 @@ def _resolvent(a: FloatArray, b: FloatArray, points: ComplexArray) -> ComplexArr
     return np.asarray(np.linalg.solve(matrices, right)[:, :, 0].T)
 
 
-def _over_frequencies(wind: Wind, responses: Any, a: FloatArray, nyquist: float) -> FloatArray:
-    """Return the integral of the wind's spectrum times squared responses, over log frequency.
+def _over_frequencies(
+    random: Wind | Spectrum | Folded, responses: Any, a: FloatArray, nyquist: float
+) -> FloatArray:
+    """Return the integral of a spectrum times squared responses, over log frequency.
 
-    Panels end at the axis's own frequencies, near which they are as narrow as the damping, and at
-    the Nyquist frequency.
+    Panels end where the spectrum bends, at the axis's own frequencies, near which they are as
+    narrow as the damping, and at the Nyquist frequency.
     """
     own = np.linalg.eigvals(a)
     own = own[np.abs(own) > 1e-6 * np.abs(own).max(initial=0.0)]
     swinging = own[np.abs(own.imag) > 0.0]
-    tau = float(wind.length_over_speed or 1.0)
-    centre = [np.log(1.0 / tau), *np.log(np.abs(own) / (2.0 * pi))]
+    bends = np.log(random.bends_hz)
+    centre = [*bends, *np.log(np.abs(own) / (2.0 * pi))]
     low, high = min(centre) + _DECADES[0] * 2.3, max(centre) + _DECADES[1] * 2.3
-    edges = [np.linspace(low, high, int((high - low) / 2.3 * _PANELS))]
+    least, most = random.reach_hz
+    low, high = max(low, log(least) if least else -inf), min(high, log(most) if most < inf else inf)
+    edges = [np.linspace(low, high, max(int((high - low) / 2.3 * _PANELS), 2)), bends]
     for pole in swinging[swinging.imag > 0.0]:
         damping = max(abs(pole.real) / abs(pole), 1e-6)
         away = damping * np.sinh(np.linspace(-12.0, 12.0, 97)) * 0.5
@@ -308,5 +357,5 @@ def _over_frequencies(wind: Wind, responses: Any, a: FloatArray, nyquist: float)
     half = 0.5 * np.diff(whole)
     x = (0.5 * (whole[1:] + whole[:-1]))[:, None] + half[:, None] * nodes
     f = np.exp(x).ravel()
-    density = wind.spectrum(f) * f * (half[:, None] * weights).ravel()
+    density = random.spectrum(f) * f * (half[:, None] * weights).ravel()
     return np.asarray((responses(f) * density).sum(axis=1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from math import pi
+from math import inf, pi
 from typing import Any, Literal
 
 import numpy as np
@@ -164,6 +164,16 @@ class Wind:
             return np.asarray(2.0 * variance / (pi * corner) / ratio)
         return np.asarray(4.0 * variance / (pi * corner) / ratio**2)
 
+    @property
+    def bends_hz(self) -> FloatArray:
+        """Frequency about which it falls off."""
+        return np.array([self.corner_hz or 1.0 / float(self.length_over_speed or 1.0)])
+
+    @property
+    def reach_hz(self) -> tuple[float, float]:
+        """Frequencies outside of which there is nothing."""
+        return 0.0, inf
+
 
 Disturbance = TorqueSteps | SampledTorque | TorqueSine
 
@@ -175,7 +185,8 @@ def checked_disturbances(given: Any) -> tuple[Disturbance, ...]:
     parts = tuple(given) if isinstance(given, list | tuple) else (given,)
     for part in parts:
         if not isinstance(part, TorqueSteps | SampledTorque | TorqueSine):
-            remedy = "; of Wind ask loop.variances" if isinstance(part, Wind) else ""
+            random = hasattr(part, "spectrum")
+            remedy = "; of a spectrum ask loop.deviations, or wind_realisation" if random else ""
             raise TypeError(
                 f"disturbance = {shown(part)}: expected TorqueSteps, SampledTorque or "
                 f"TorqueSine{remedy}"

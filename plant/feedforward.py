@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..shaping.checks import finite, whole
+from ..shaping.checks import finite, of_kind, whole
 from ..shaping.derivatives import derivative_name, derivative_number
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import MAX_ORDER, FloatArray
 from ..shaping.real_numbers import shown
+from .inverse_dynamics import InverseDynamics
 from .linear_system import static_gain
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ class Feedforward(Frozen):
     """Feedforward of any derivatives of the command r.
 
         u_feedforward = Σ_k torque[k]·r^(k) + friction·sign(ṙ),
-        e = r + Σ_k position[k]·r^(k) − y.
+        e = r + Σ_k position[k]·r^(k) − y,
+
+    to both of which `dynamics` may add.
 
     Parameters
     ----------
@@ -79,6 +82,9 @@ class Feedforward(Frozen):
     lead : float, optional
         Time by which a digital controller's torque feedforward looks ahead, ≥ 0. What makes up
         for a delay τ and the hold is τ + sample_time/2.
+    dynamics : InverseDynamics, optional
+        What the exact inverse of a damped axis remembers of the command, as `inverse_feedforward`
+        finds it.
 
     Examples
     --------
@@ -91,6 +97,7 @@ class Feedforward(Frozen):
     position: Mapping[int, float] = field(default_factory=_nothing)
     friction: float = 0.0
     lead: float = 0.0
+    dynamics: InverseDynamics | None = None
 
     def __post_init__(self) -> None:
         for name in ("torque", "position"):
@@ -100,21 +107,26 @@ class Feedforward(Frozen):
             if value < 0.0:
                 raise ValueError(f"{name} = {value!r}: expected a number ≥ 0")
             object.__setattr__(self, name, value)
+        if self.dynamics is not None:
+            kind = "InverseDynamics(…), as inverse_feedforward(axis) finds it"
+            of_kind("dynamics", self.dynamics, InverseDynamics, kind)
 
     def __hash__(self) -> int:
         kept = (self.torque.items(), self.position.items())
-        return hash((*map(frozenset, kept), self.friction, self.lead))
+        return hash((*map(frozenset, kept), self.friction, self.lead, self.dynamics))
 
     @property
     def order(self) -> int:
         """Highest derivative of the command that must be finite."""
-        return max([0, *self.torque, *self.position])
+        remembered = 0 if self.dynamics is None else self.dynamics.derivative
+        return max([0, *self.torque, *self.position, remembered])
 
     def within(self, order: int) -> Feedforward:
         """Return it without the derivatives above an order, of which a command has impulses."""
         torque = {k: gain for k, gain in self.torque.items() if k <= order}
         position = {k: gain for k, gain in self.position.items() if k < order}  # its rate is taken
-        return replace(self, torque=torque, position=position)
+        kept = self.dynamics if self.order <= order else None
+        return replace(self, torque=torque, position=position, dynamics=kept)
 
     def requirement(self, command: Any = None) -> str:
         """Return, in one line, what it asks of the command, and what a given one lacks.
@@ -154,11 +166,16 @@ class Feedforward(Frozen):
         return gains
 
     def transfer(self) -> control.TransferFunction:
-        """Return f(s) = Σ torque[k]·s^k from r to u (improper)."""
+        """Return f(s) = Σ torque[k]·s^k, and what its dynamics add, from r to u (improper)."""
         import control
 
         f = self.torque_gains(self.order)[::-1]
-        return control.tf(f, [1.0], inputs=["r"], outputs=["u_feedforward"], name="feedforward")
+        below: tuple[float, ...] = (1.0,)
+        if self.dynamics is not None:
+            below = self.dynamics.denominator[::-1]
+            own = [*self.dynamics.torque[::-1], *[0.0] * self.dynamics.derivative]
+            f = np.polyadd(np.polymul(f, below), own)
+        return control.tf(f, below, inputs=["r"], outputs=["u_feedforward"], name="feedforward")
 
 
 def as_feedforward(feedforward: Any) -> Feedforward:

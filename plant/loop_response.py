@@ -13,6 +13,7 @@ from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from .anti_windup import Clamp
 from .knife_edges import knife_edges
 from .simulate import simulate
 
@@ -264,7 +265,8 @@ class LoopResponse(Frozen):
         """Time at which a motor that sticks at the end breaks away, if the command stands still.
 
         Being stuck is not rest: the integral goes on. Infinite where it does not, or where the
-        torque limit is reached before the stiction; now for a motor that slips.
+        torque limit, or the clamp of the integral, is reached before the stiction; now for a motor
+        that slips.
         """
         friction, run = self._scene.axis.friction, self.run
         mode = run.hybrid.modes[run.modes[-1]]
@@ -273,9 +275,20 @@ class LoopResponse(Frozen):
             return end
         push = float(run.hybrid.pushing[run.modes[-1]] @ run.states[-1])
         error = float(run.samples[-1, 0]) if len(run.samples) else float(self.error[-1])
-        ramp = self._scene.controller.integral_gain * error
+        ramp = self._scene.controller.standing_gain * error
         if ramp == 0.0:
             return inf
         missing = friction.holds - push * np.sign(ramp)
         left = self._scene.axis.torque_limit - float(self.motor_torque[-1]) * np.sign(ramp)
-        return float(end + missing / abs(ramp)) if missing <= left else inf
+        if missing >= min(left, self._left_to_integrate(ramp)):
+            return inf
+        return float(end + missing / abs(ramp))
+
+    def _left_to_integrate(self, ramp: float) -> float:
+        """Return by how much the integral's torque, behind the filters, can grow at the end."""
+        controller, held = self._scene.controller, self.run.held
+        if not isinstance(controller.anti_windup, Clamp):
+            return inf
+        behind = controller.filter_gain
+        way = np.sign(ramp * behind)
+        return float(abs(behind) * (controller.anti_windup.integral_limit - way * held))

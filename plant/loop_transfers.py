@@ -86,7 +86,7 @@ def open_transfer(loop: Loop) -> control.TransferFunction | control.StateSpace:
 
 def _broken_at_torque(loop: Loop) -> control.StateSpace:
     """Return the continuous loop from u to −u_feedback."""
-    o = loop.open_loop.without_idle_integral()
+    o = open_loop(loop.axis, loop.controller_noun, Feedforward()).without_idle_integral()
     n = len(o.a)
     return linear_system(
         (o.a, o.drive[:, None], -o.asked[None, :n], [[0.0]]),

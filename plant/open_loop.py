@@ -11,6 +11,7 @@ from .axis import Axis
 from .controller import Controller
 from .discretise import filter_system_of
 from .feedforward import Feedforward
+from .inverse_dynamics import InverseDynamics
 from .pid import PID
 
 
@@ -67,35 +68,39 @@ class OpenLoop:
 def needed_order(controller: Controller, feedforward: Feedforward) -> int:
     """Return the highest derivative of the command that a continuous loop takes."""
     ahead = isinstance(controller.law, PID)  # it takes the rate of the reference
-    return max([1, *feedforward.torque, *(k + ahead for k in feedforward.position)])
+    remembered = 0 if feedforward.dynamics is None else feedforward.dynamics.derivative
+    return max([1, remembered, *feedforward.torque, *(k + ahead for k in feedforward.position)])
 
 
 def open_loop(axis: Axis, controller: Controller, feedforward: Feedforward) -> OpenLoop:
-    """Return a continuous loop, states plant, integral, filtered rate, filters."""
-    highest = needed_order(controller, feedforward)
-    builder = _Builder(axis, controller, highest)
+    """Return a continuous loop, states plant, integral, filtered rate, filters, the inverse's."""
+    highest, dynamics = needed_order(controller, feedforward), feedforward.dynamics
+    builder = _Builder(axis, controller, highest, 0 if dynamics is None else dynamics.size)
     position = feedforward.position_gains(highest)
     error = builder.row(-builder.position, position)
     rate = builder.row(-builder.rate, np.append(0.0, position[:-1]))
+    torque = builder.row(0.0 * builder.position, feedforward.torque_gains(highest))
+    if dynamics is not None:
+        more, ahead, ahead_rate = builder.remembered(dynamics)
+        torque, error, rate = torque + more, error + ahead, rate + ahead_rate
     if isinstance(controller.law, PID):
         asked, integrated = builder.pid(controller.law, error, rate)
     else:
         asked, integrated = builder.cascade(controller, error)
     for element in controller.filters:
         asked = builder.filtered(filter_system_of(element), asked)
-    asked = asked + builder.row(0.0 * builder.position, feedforward.torque_gains(highest))
-    return builder.finish(error, asked, integrated)
+    return builder.finish(error, asked + torque, integrated)
 
 
 class _Builder:
     """Collects states behind those of the plant; rows run over (plant, controller, p)."""
 
-    def __init__(self, axis: Axis, controller: Controller, highest: int) -> None:
+    def __init__(self, axis: Axis, controller: Controller, highest: int, memory: int) -> None:
         d = axis.dynamics
         rates = int(controller.rate_filter > 0.0)
         filters = sum(filter_system_of(f).nstates for f in controller.filters)
         self.plant, self.inputs = d.size, highest + 1
-        self.states = d.size + 1 + rates + filters
+        self.states = d.size + 1 + rates + filters + memory
         self.next = d.size
         self.rows = np.zeros((self.states, self.states + self.inputs))
         self.rows[: d.size, : d.size] = d.a
@@ -151,6 +156,20 @@ class _Builder:
         out[places] += c[0]
         self.next += len(a)
         return np.asarray(out)
+
+    def remembered(self, dynamics: InverseDynamics) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Put the inverse's dynamics into the last states.
+
+        Return the rows of what they add to torque and reference, and of the latter's rate.
+        """
+        a, b, c, d = dynamics.matrices()
+        last = slice(self.states - dynamics.size, self.states)
+        fed = self.states + dynamics.derivative
+        self.rows[last, last], self.rows[last, fed] = a, b
+        torque, ahead, ahead_rate = np.zeros((3, self.rows.shape[1]))
+        torque[last], ahead[last], ahead_rate[last] = c[0], c[1], c[1] @ a
+        torque[fed], ahead_rate[fed] = d[0], c[1] @ b
+        return torque, ahead, ahead_rate
 
     def finish(self, error: FloatArray, asked: FloatArray, integrated: FloatArray) -> OpenLoop:
         n = self.states

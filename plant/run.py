@@ -78,6 +78,8 @@ class Run:
     states : (S, n) array
     samples : (N, 3) array
         Error e, torque asked for w, and the torque u of each sample of a digital controller.
+    held : float
+        Torque of the controller's integral at the end, before the filters.
     """
 
     scene: Scene
@@ -87,6 +89,7 @@ class Run:
     modes: Any
     states: FloatArray
     samples: FloatArray
+    held: float
 
     def at(self, times: FloatArray) -> tuple[Any, FloatArray]:
         """Return the modes and states (N, n) at times from 0 on; at an event those after it."""

@@ -43,6 +43,7 @@ from .loop_transfers import (
 from .open_loop import OpenLoop, open_loop
 from .pid import Rate
 from .run import Scene
+from .spectrum import Spectrum
 
 if TYPE_CHECKING:
     import control
@@ -275,7 +276,9 @@ class ServoLoop(Frozen):
         scene = self._scene(given, duration, disturbance, start, noise, times)
         return response_of(scene, dt, times)
 
-    def deviations(self, wind: Wind | None = None, *, encoder_noise: float = 0.0) -> LoopDeviations:
+    def deviations(
+        self, wind: Wind | Spectrum | None = None, *, encoder_noise: float | Spectrum = 0.0
+    ) -> LoopDeviations:
         """Return the standard deviations of the linear loop in wind and noise, the command still.
 
         By the covariance at the samples (Lyapunov's equation, the wind's noise gathered over hold
@@ -286,9 +289,12 @@ class ServoLoop(Frozen):
 
         Parameters
         ----------
-        wind : Wind, optional
-        encoder_noise : float, optional
-            Standard deviation of independent errors of each sample.
+        wind : Wind or Spectrum, optional
+            Of a torque.
+        encoder_noise : float or Spectrum, optional
+            Standard deviation of independent errors of each sample, or the spectrum of errors of
+            the measured position, of which a digital controller's samples fold down what is above
+            half their rate.
 
         Returns
         -------
@@ -297,17 +303,20 @@ class ServoLoop(Frozen):
         Raises
         ------
         ValueError
-            For an unstable loop, or encoder noise in a loop without samples.
+            For an unstable loop, or white encoder noise in a loop without samples.
         """
-        if encoder_noise and not self.is_digital:
-            raise ValueError(
-                f"encoder_noise = {encoder_noise!r} in a continuous loop: noise comes with each "
-                "sample; give the controller a sample_time"
-            )
-        noise = finite("encoder_noise", encoder_noise)
+        coloured = encoder_noise if isinstance(encoder_noise, Spectrum) else None
+        white = 0.0
+        if not isinstance(encoder_noise, Spectrum):
+            white = finite("encoder_noise", encoder_noise)
         if self.is_digital:
-            return digital_deviations(self.axis, self.controller_noun, wind, noise)
-        return continuous_deviations(self.axis, self.open_loop, wind)
+            return digital_deviations(self.axis, self.controller_noun, wind, coloured or white)
+        if white:
+            raise ValueError(
+                f"encoder_noise = {encoder_noise!r} in a continuous loop: white noise comes with "
+                "each sample; give the controller a sample_time, or a Spectrum"
+            )
+        return continuous_deviations(self.axis, self.controller_noun, wind, coloured)
 
     def _check_fed(self, command: Any) -> None:
         highest = self.feedforward_noun.order

@@ -50,14 +50,14 @@ def simulate(scene: Scene) -> Run:
     d = axis.dynamics
     seen = d.motor if axis.sensor == "motor" else d.load
     moved = d.load if axis.sensor == "load" else d.motor
-    highest = int(tuned[3])
+    torque_gains, position_gains = _gains(scene)
+    tuned[3] = len(torque_gains) - 1.0
     segments, status = core.run_loop(
         numbers,
         tuned,
         *map(np.ascontiguousarray, (hybrid.rates, hybrid.rows, hybrid.next)),
         *(hybrid.onto, hybrid.along, z, layout.row(seen), layout.row(moved), sections),
-        scene.feedforward.position_gains(highest),
-        scene.feedforward.torque_gains(highest),
+        *(position_gains, torque_gains),
         *(commands, ahead, np.empty(0) if scene.noise is None else scene.noise),
         *(times, values, memory, samples),
     )
@@ -76,6 +76,7 @@ def simulate(scene: Scene) -> Run:
             f"the response leaves the range of a double within {scene.duration!r}: the loop is "
             "unstable; shorten the duration"
         )
+    summed = float(memory[1] if loop is None else z[loop.integral])
     return Run(
         scene,
         hybrid,
@@ -84,21 +85,41 @@ def simulate(scene: Scene) -> Run:
         segments[:, 1].astype(int),
         segments[:, 2:],
         samples,
+        controller.integral_gain * summed,
     )
 
 
+def _gains(scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """Return the gains of torque and reference, by derivative, then of what an inverse adds."""
+    f = scene.feedforward
+    gains = np.array([each(max(f.order, 1)) for each in (f.torque_gains, f.position_gains)])
+    if f.dynamics is not None and scene.is_digital:
+        gains = np.hstack([gains, np.eye(2)])
+    torque, position = np.ascontiguousarray(gains)
+    return torque, position
+
+
 def _sampled_command(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """Return the command and its derivatives at all samples, and the same a lead later."""
+    """Return the command and its derivatives at all samples, and the same a lead later.
+
+    Behind them stands what an inverse's dynamics add to torque and reference.
+    """
     dt, f = scene.controller.sample_time, scene.feedforward
-    highest = max(f.order, 1)
     if dt is None:
-        return np.empty((0, highest + 1)), np.empty((0, highest + 1))
+        return (np.empty((0, max(f.order, 1) + 1)),) * 2
     times = on_breaks(scene.command, scene.begin + dt * np.arange(float(scene.sample_count)))
-    now = np.ascontiguousarray(derivatives_of(scene.command, times, highest).T)
+    now = _columns(scene, times)
     if not f.lead:
         return now, now
-    later = on_breaks(scene.command, np.asarray(times + f.lead))
-    return now, np.ascontiguousarray(derivatives_of(scene.command, later, highest).T)
+    return now, _columns(scene, on_breaks(scene.command, np.asarray(times + f.lead)))
+
+
+def _columns(scene: Scene, times: FloatArray) -> FloatArray:
+    f = scene.feedforward
+    rows = derivatives_of(scene.command, times, max(f.order, 1))
+    if f.dynamics is not None:
+        rows = np.vstack([rows, f.dynamics.added(scene.command, scene.begin, times)])
+    return np.ascontiguousarray(rows.T)
 
 
 def _numbers(

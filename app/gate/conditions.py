@@ -32,7 +32,7 @@ NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
 _ORIGIN = (
     *("path", "title", "motion", "position_unit", "overrides", "limits_name", "name"),
-    *("limit_sets", "requirements"),
+    *("limit_sets", "requirements", "body", "counted"),
 )
 _CONTROLLER = ("gains", "filters", "derivative_filter", "anti_windup", "discretisation")
 _FEEDFORWARD = (
@@ -44,13 +44,13 @@ _DESIGN = (
 )
 _ENTRIES = ("moves", "modes", "tracking")
 _KEYS: dict[str, Key] = {
-    "inertia": ("plant", "inertia"),
     "gains": ("controller", "gains"),
     "specification": ("controller", "specification"),
     "feedforward_inertia": ("feedforward", "inertia"),
     "inertia_error": ("feedforward", "error"),
     "bounds": ("limits",),
 }
+_LISTS = ("filters", "modes")  # whose entries may have no name
 _SUFFIXES = {"_hz": "Hz", "_deg": "deg", "_db": "dB", "_s": "s"}
 _FRACTIONS = ("inertia_error", "damping")
 _POSITIONS = ("distance", "settle_to")
@@ -75,8 +75,14 @@ class Change:
 
     @property
     def name(self) -> str:
-        """The key as the scenario file writes it, an entry of a list by its name."""
-        return key_path(self.key)
+        """The key as the scenario file writes it, an entry of a list by its name or number."""
+        before = ("", *self.key)
+        numbered = (
+            part.isdecimal() and last in _LISTS
+            for part, last in zip(self.key, before, strict=False)
+        )
+        pairs = zip(self.key, numbered, strict=True)
+        return key_path([int(part) if number else part for part, number in pairs])
 
     @property
     def was_shown(self) -> str:
@@ -151,7 +157,11 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
         if field.name in _ORIGIN or _is_left_out(part, field, value):
             continue
         key = (*where, *_key_of(field.name))
-        if field.name == "bounds":
+        if part is scenario and field.name == "inertia":
+            key = ("plant", scenario.body)
+            if scenario.body in ("inertia", "mass"):
+                yield key, _text(part, field.name, value, scenario)
+        elif field.name == "bounds":
             yield from _limits(value, key, scenario)
         elif isinstance(part, FileSection | OntoSection | ScanSection) and field.name == "limits":
             yield from _limits(scenario.limit_sets[value], key, scenario)

@@ -62,6 +62,11 @@ class DigitalController(Frozen):
         of_kind("controller", self.controller, Controller, "a Controller(law, sample_time=…)")
         check_digital(self.controller)
         object.__setattr__(self, "feedforward", as_feedforward(self.feedforward))
+        if self.feedforward.dynamics is not None:
+            raise ValueError(
+                "the exact inverse of a damped axis cannot leave: it remembers the command between "
+                'samples; give low_frequency_feedforward(axis), in a file inverse = "low-frequency"'
+            )
         limit = real_number("torque_limit", self.torque_limit)
         if not limit > 0.0:
             raise ValueError(f"torque_limit = {self.torque_limit!r}: expected a positive torque")

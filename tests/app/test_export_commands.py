@@ -49,19 +49,21 @@ def test_every_block_of_a_scenario_leaves(run, block):
     assert f"int {block}_init({block}_block *block);" in Path("made", f"{block}.h").read_text()
 
 
-@pytest.mark.parametrize("block", ["trajectory", "follower"])
-def test_a_move_is_chosen_by_name(run, block):
-    status, out, errors = run(block, "--output", "made")
+def test_a_move_that_there_is_not_is_refused(run):
+    status, out, errors = run("trajectory", "--output", "made", "--move", "away")
     assert (status, out) == (2, "")
-    assert "give --move one of 'out & in', 'back'" in errors[0]
+    assert "has no move 'away'; give --move one of 'out & in', 'back'" in errors[0]
     assert not Path("made").exists()
-    assert run(block, "--move", "back", "-o", "made")[0] == 0
 
 
-def test_a_shaper_takes_the_limits_of_the_first_move_and_says_so(run):
-    status, out, _ = run("shaper", "--output", "made")
+@pytest.mark.parametrize("block", ["trajectory", "follower", "shaper"])
+def test_a_block_of_a_move_takes_the_first_and_says_so(run, block):
+    status, out, _ = run(block, "--output", "made")
     assert status == 0
     assert "The move is 'out & in', the first; --move takes another: 'back'" in out
+
+
+def test_a_move_is_chosen_by_name(run):
     status, out, _ = run("shaper", "--output", "made", "--move", "back", "--name", "pan")
     assert (status, "The move" in out) == (0, False)
     assert Path("made", "pan.h").exists()

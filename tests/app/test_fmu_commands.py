@@ -117,6 +117,14 @@ def test_the_loop_leaves_as_an_ssp(run):
         ]
 
 
+@pytest.mark.parametrize("block", ["trajectory", "follower"])
+def test_without_a_name_it_is_the_first_move(run, block):
+    status, out, errors = run("export", "two.toml", "--block", block, *SOURCES)
+    assert (status, errors) == (0, [])
+    assert "The move is 'out & in', the first; --move takes another: 'back'" in out
+    assert f"two_{block}.fmu" in out
+
+
 def test_a_loop_without_move_takes_the_first_and_says_so(run):
     status, out, errors = run("export", "two.toml", "--block", "loop", *SOURCES)
     assert (status, errors) == (0, [])
@@ -134,9 +142,8 @@ def test_the_move_is_chosen_by_name(run, refused):
     assert "two_trajectory_out_in.fmu" in out
     end = inspect_fmu("two_trajectory_out_in.fmu").default_experiment.stop_time
     assert end == trajectory_of(load_scenario("two.toml"), "out & in").end_time
-    for options in ([], ["--move", "away"]):
-        line = refused("export", "two.toml", "--block", "trajectory", *options, *SOURCES)
-        assert "'out & in', 'back'" in line
+    line = refused("export", "two.toml", "--block", "trajectory", "--move", "away", *SOURCES)
+    assert "has no move 'away'; give --move one of 'out & in', 'back'" in line
 
 
 def test_the_same_export_twice_is_the_same_file(run):

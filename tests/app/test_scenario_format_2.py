@@ -7,9 +7,12 @@ import control
 import numpy as np
 import pytest
 
+from jounce.analysis.surveyed_moves import planned
+from jounce.app import check_scenario, survey_file
 from jounce.app.scenario import load_scenario
 from jounce.app.scenario_commands import survey_conditions
 from jounce.app.scenario_loop import servo_loop_of
+from jounce.app.survey_data import survey_data
 from jounce.plant import (
     PID,
     Axis,
@@ -260,6 +263,33 @@ def test_the_inverse_is_exact_without_damping(write):
     assert found.position == pytest.approx({2: 1.0 / (0.4 * omega**2)})
 
 
+@pytest.mark.parametrize("damping", ["1 %", "5 %"])
+def test_the_inverse_of_a_damped_mode_is_exact_too(write, damping):
+    plant = f"""
+inertia = "2 kg m^2"
+viscous = "0.5 N m s/rad"
+spring = "4 N m/rad"
+modes = [{{frequency = "20 Hz", damping = "{damping}", load_fraction = "60 %"}}]
+"""
+    gains = 'gains = {kp = "3e3 N m/rad", ki = "9e3 N m/(rad s)", kr = "300 N m s/rad"}'
+    limits = REST.replace('"20 deg/s^2"', '"20 deg/s^2"\njerk = "400 deg/s^3"')
+    more = "[feedforward]\ninverse = true\n"
+    scenario = load_scenario(write(file_of(plant, gains, more, limits)))
+    (move,) = scenario.moves
+    response = servo_loop_of(scenario).respond(planned(move), 0.01)
+    assert response.peak_load_error < 1e-12 * move.distance
+
+
+def test_an_inverse_that_is_unstable_is_one_line_with_its_remedy(write):
+    shapes = "motor_shape = 1.4, load_shape = -1.3"
+    plant = f'inertia = "2 kg m^2"\nmodes = [{{frequency = "20 Hz", {shapes}}}]'
+    path = write(file_of(plant, more="[feedforward]\ninverse = true\n"))
+    with pytest.raises(ValueError, match=r"case\.toml: feedforward: ") as caught:
+        servo_loop_of(load_scenario(path))
+    assert "unstable, with a pole at" in str(caught.value)
+    assert str(caught.value).endswith('; write inverse = "low-frequency", exact up to snap')
+
+
 def test_moves_are_shaped_timed_and_rounded(write):
     plant = """
 inertia = "2 kg m^2"
@@ -363,6 +393,92 @@ def test_every_unit_of_length_is_taken(write, text, value):
     plant = 'mass = "2 kg"\nencoder_step = "10 nm"'
     (move,) = load_scenario(write(file_of(plant, gains, rest=rest))).moves
     assert move.settle_to == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("plant", "count"),
+    [
+        ('encoder_step = "2 arcsec"', 2 * ARCSEC),
+        ("encoder_counts = 1048576", 2.0 * math.pi / 2**20),
+    ],
+)
+def test_positions_are_told_in_counts(write, plant, count):
+    rest = REST.replace('"1 deg"', '"3600 counts"').replace("10 deg/s", "9000 count/s")
+    plant = f'inertia = "2 kg m^2"\n{plant}'
+    scenario = load_scenario(write('position_unit = "count"\n' + file_of(plant, rest=rest)))
+    assert scenario.position_unit == "count"
+    assert scenario.position_scale == pytest.approx(count, rel=1e-15)
+    assert scenario.moves[0].distance == pytest.approx(3600 * count, rel=1e-14)
+    assert scenario.moves[0].bounds[0] == pytest.approx(9000 * count, rel=1e-14)
+    assert servo_loop_of(scenario).axis.encoder_step == pytest.approx(count, rel=1e-15)
+
+
+def test_a_survey_and_the_gate_tell_counts(write):
+    gains = 'gains = {kp = "800 N m/rad", ki = "4e3 N m/(rad s)", kr = "60 N m s/rad"}\n'
+    plant = 'inertia = "2 kg m^2"\nencoder_counts = 1048576'
+    rest = '[[tracking]]\nname = "still"\nrate = "0 deg/s"\nduration = "1 s"\n'
+    gains += 'sample_time = "1 ms"\n'
+    path = write('position_unit = "count"\n' + file_of(plant, gains, rest=rest))
+    found = survey_file(path)
+    told = survey_data(found)
+    assert told["units"]["position"] == "count"
+    assert found.labels.unit_of("compliance")[0] == "count/(N m)"
+    [quantisation] = told["budget"]
+    count = 2.0 * math.pi / 2**20
+    assert quantisation["load"] == pytest.approx(found.budget[0].load / count, rel=1e-12)
+    assert check_scenario(path, update=True).position_unit == "count"
+
+
+def test_counts_are_units_wherever_there_are_positions(write):
+    more = """
+[disturbances]
+encoder_noise = "0.5 count"
+encoder_spectrum = {frequencies = ["1 Hz", "9 Hz"], densities = ["3 count^2/Hz", "3 count²/Hz"]}
+torque_step = {torque = "1 N m"}
+[[tracking]]
+name = "recorded"
+file = {path = "scan.csv", unit = "count"}
+[requirements]
+peak_load_error = {max = "30 counts"}
+"""
+    plant = 'inertia = "2 kg m^2"\nviscous = "3 N m s/count"\nencoder_step = "2 arcsec"'
+    gains = PID_GAINS.replace("2 N m/(rad s)", "2 N m/(count s)") + 'sample_time = "1 ms"\n'
+    path = write(file_of(plant, gains, more))
+    path.with_name("scan.csv").write_text("t,x\n0,0\n0.5,1\n1,100\n")
+    scenario = load_scenario(path)
+    count = 2 * ARCSEC
+    assert scenario.plant.viscous == pytest.approx(3.0 / count, rel=1e-14)
+    assert scenario.gains.ki == pytest.approx(2.0 / count, rel=1e-14)
+    given = survey_conditions(scenario)
+    white, table = given["encoder_noise"]
+    assert white == pytest.approx(0.5 * count, rel=1e-14)
+    np.testing.assert_allclose(table.densities, 3.0 * count**2, rtol=1e-14)
+    end = float(given["tracking"][0].command.end_state[0])
+    assert end == pytest.approx(100 * count, rel=1e-12)
+    assert given["requirements"][0].most == pytest.approx(30 * count, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("plant", "unit", "line"),
+    [
+        ("", "count", "position_unit: 'count' is in counts of an encoder that is not given; write"),
+        ("encoder_counts = 0", "deg", "encoder_counts: 0 is not a whole number from 1 to"),
+        ('encoder_counts = 9\nencoder_step = "1 deg"', "deg", "which say the same; keep one"),
+    ],
+)
+def test_counts_of_no_encoder_are_one_line(write, plant, unit, line):
+    text = file_of(f'inertia = "2 kg m^2"\n{plant}')
+    with pytest.raises(ValueError, match=r"case\.toml: ") as caught:
+        load_scenario(write(f'position_unit = "{unit}"\n' + text))
+    assert line in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_linear_axis_has_no_counts_of_a_revolution(write):
+    gains = 'gains = {kp = "1 N/m", ki = "0 N/(m s)", kr = "3 N s/m"}\n'
+    path = write(file_of('mass = "2 kg"\nencoder_counts = 90', gains, rest=linear(REST)))
+    with pytest.raises(ValueError, match="90 a revolution, and a linear axis has none; write enc"):
+        servo_loop_of(load_scenario(path))
 
 
 def test_moves_in_counts_are_told_in_the_encoder_s_unit(write):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from jounce.app import survey_file
+from jounce.app.gate.conditions import scenario_conditions
 from jounce.app.scenario import ScenarioError, load_scenario
 from jounce.app.scenario_commands import survey_conditions
 from jounce.plant import SampledTorque, TorqueSine
@@ -44,6 +45,9 @@ after = "7 s"
 """
 
 
+STILL = '[[tracking]]\nname = "still"\nrate = "0 deg/s"\nduration = "1 s"\n'
+
+
 def test_a_sine_s_error_is_the_loop_s_compliance(write):
     found = survey_file(write(LOOP + SINE))
     [held] = found.tracking
@@ -69,6 +73,82 @@ def test_a_file_s_torque_is_held_until_the_next(write):
     direct = survey_file(path).loop.respond(held.command, times=[1.4], disturbance=torque)
     at = np.interp(1.4, found.response.time, found.response.load_error)
     assert at == pytest.approx(float(direct.load_error[0]), abs=1e-6)
+
+
+TABLES = """
+encoder_spectrum = {frequencies = ["1 Hz", "500 Hz"], densities = ["4 arcsec^2/Hz", "9 mas^2/Hz"]}
+[disturbances.torque_spectrum]
+frequencies = ["0.1 Hz", "60 rpm", "1 kHz"]
+densities = ["2 N^2 m^2/Hz", "4 (N m)^2/Hz", "9 (N cm)^2/Hz"]
+on = "motor"
+"""
+
+
+def test_spectra_are_tables_in_the_file_or_beside_it(write):
+    path = write(LOOP + STILL + "[disturbances]" + TABLES)
+    given = survey_conditions(load_scenario(path))
+    [_, torque], [white, noise] = given["wind"], given["encoder_noise"]
+    assert (white, torque.on) == (0.0, "motor")
+    np.testing.assert_allclose(torque.frequencies_hz, [0.1, 1.0, 1000.0], rtol=1e-14)
+    np.testing.assert_allclose(torque.densities, [2.0, 4.0, 9e-4], rtol=1e-14)
+    arcsec = DEGREE / 3600
+    np.testing.assert_allclose(noise.densities, np.array([4.0, 9e-6]) * arcsec**2, rtol=1e-14)
+    path.with_name("t.csv").write_text("Hz;S\n0,1;2\n1;4\n1000;0,0009\n")
+    path.with_name("n.csv").write_text("f,x,S\n1,5,4\n500,6,9e-6\n")
+    files = 'torque_spectrum = {path = "t.csv", on = "motor"}\n'
+    files += 'encoder_spectrum = {path = "n.csv", unit = "arcsec^2/Hz", density = "S"}\n'
+    given = survey_conditions(load_scenario(write(LOOP + STILL + "[disturbances]\n" + files)))
+    for one, other in ((given["wind"][1], torque), (given["encoder_noise"][1], noise)):
+        np.testing.assert_allclose(one.densities, other.densities, rtol=1e-13)
+        np.testing.assert_allclose(one.frequencies_hz, other.frequencies_hz, rtol=1e-13)
+        assert one.on == other.on
+
+
+def test_spectra_stand_in_the_error_budget_beside_wind_and_noise(write):
+    more = 'wind = {kind = "first_order", sigma = "1 N m", corner = "1 Hz"}'
+    more += '\nencoder_noise = "1 arcsec"'
+    path = write(LOOP + STILL + "[disturbances]\n" + more + TABLES)
+    found = survey_file(path)
+    names = ["wind", "torque spectrum", "encoder noise", "encoder spectrum"]
+    assert [source.name for source in found.budget] == names
+    conditions = survey_conditions(found.scenario)
+    expected = found.loop.deviations(conditions["wind"][1])
+    assert found.budget[1].load == expected.load
+    expected = found.loop.deviations(encoder_noise=conditions["encoder_noise"][1])
+    assert (found.budget[3].load, found.budget[3].torque) == (expected.load, expected.torque)
+    stored = scenario_conditions(found.scenario)
+    told = stored["disturbances", "torque_spectrum", "densities"]
+    assert told == "2 4 0.0009 N^2 m^2/Hz"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ('"60 rpm"', '"60 s"', "torque_spectrum.frequencies: '60 s' has the wrong dimension"),
+        ('"2 N^2 m^2/Hz"', '"2 N m"', "torque_spectrum.densities: '2 N m' has the wrong dimension"),
+        ('"2 N^2 m^2/Hz"', '"0 N^2 m^2/Hz"', "densities: '0 N^2 m^2/Hz' is out of range; write a"),
+        ('"0.1 Hz", ', "", "torque_spectrum: frequencies of shape (2,) with densities of shape (3"),
+        (
+            '"0.1 Hz"',
+            '"2 Hz"',
+            "torque_spectrum: frequencies = [2.0, 1.0, 1000.0]: expected",
+        ),
+        ('on = "motor"', 'path = "t.csv"', "torque_spectrum: needs a table: write either frequenc"),
+        ('densities = ["4 arcsec', 'density = ["4 arcsec', "encoder_spectrum.density: "),
+        (TABLES, '\ntorque_spectrum = {path = "no.csv"}', "torque_spectrum: file "),
+        (
+            TABLES,
+            '\ntorque_spectrum = {path = "t.csv", unit = "N m"}',
+            "torque_spectrum.unit: 'N m'",
+        ),
+    ],
+)
+def test_what_is_no_spectrum_is_one_line(write, old, new, line):
+    text = LOOP + STILL + "[disturbances]" + TABLES
+    assert old in text
+    with pytest.raises(ValueError, match=r"case\.toml: disturbances") as caught:
+        survey_conditions(load_scenario(write(text.replace(old, new, 1))))
+    assert line in str(caught.value).splitlines()[0]
 
 
 def test_names_of_torques_can_be_required(write):

@@ -116,6 +116,8 @@ def test_any_system_is_an_axis():
         (lambda: Axis(-1.0), "J = -1.0"),
         (lambda: Axis(1.0, viscous=-2.0), "viscous = -2.0"),
         (lambda: Axis(1.0, torque_limit=1.0, constant_load=-2.0), "cannot hold"),
+        (lambda: Axis(1.0, torque_limit=2.0, friction=Friction(1.0, 2.0)), "static friction of 2"),
+        (lambda: Axis(1.0, torque_limit=1.0, friction=Friction(3.0)), "raise the limit above it"),
         (lambda: Friction(2.0, 1.0), "static = 1.0"),
         (lambda: FlexibleMode(6.0), "without its share"),
         (lambda: FlexibleMode(6.0, load_fraction=1.0), "load_fraction = 1.0"),
@@ -129,6 +131,11 @@ def test_what_no_axis_is_gets_one_line(make, words):
     with pytest.raises(ValueError, match=words) as refusal:
         make()
     assert "\n" not in str(refusal.value)
+
+
+def test_a_load_that_helps_lets_a_weak_drive_move_one_way():
+    axis = Axis(1.0, torque_limit=2.0, friction=Friction(1.0, 3.0), constant_load=-1.5)
+    assert axis.torque_limit == 2.0
 
 
 def test_defaults_are_ideal():

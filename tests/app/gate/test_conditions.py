@@ -21,7 +21,7 @@ OVERRIDES = {
 REAL = ("telescope_azimuth", "wafer_stage", "gantry_crane", "servo_drive", "lift")
 SCENARIO = load_scenario(EXAMPLES / "telescope.toml", overrides=OVERRIDES)
 NAMES = {"path", "title", "motion", "position_unit", "overrides", "limits_name", "name"}
-NAMES |= {"limit_sets", "requirements"}
+NAMES |= {"limit_sets", "requirements", "body", "counted"}
 
 
 def varied(part):
@@ -114,6 +114,22 @@ def test_a_linear_axis_has_its_own_units():
     conditions = scenario_conditions(replace(SCENARIO, motion="length", position_unit="mm"))
     assert conditions["plant", "inertia"] == "1 kg"
     assert conditions["controller", "gains", "kp"] == "28 N/m"
+
+
+@pytest.mark.parametrize("body", ["inertia", "mass"])
+def test_what_moves_has_the_key_of_the_file(body):
+    conditions = scenario_conditions(replace(SCENARIO, body=body, motion="length"))
+    assert conditions["plant", body] == "1 kg"
+    assert {key[1] for key in conditions if key[0] == "plant"} == {body}
+    assert not [k for k in scenario_conditions(replace(SCENARIO, body="chain")) if k[0] == "plant"]
+
+
+def test_entries_without_a_name_are_told_by_number():
+    change = Change(("controller", "filters", "0", "frequency"), "8 Hz", "9 Hz")
+    assert change.name == "controller.filters[0].frequency"
+    assert (
+        Change(("plant", "modes", "tower", "damping"), "", "").name == "plant.modes.tower.damping"
+    )
 
 
 def test_less_than_rounding_is_no_change():
