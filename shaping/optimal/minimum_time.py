@@ -17,12 +17,12 @@ import numpy as np
 from ..closed_moves import closed_form_move
 from ..limits import Limits
 from ..pieces import FloatArray, evaluate
-from ..rise import spline_divisor
 from ..trajectory import Trajectory
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
 from .mesh import graded_mesh, split_losses, split_sudden, split_switches
 from .smoothing import averaged_half, averaging_width, lower_order, relative_width, truncated
+from .spline_bounds import spline_durations
 
 MAX_OPTIMAL_ORDER = 10
 """Highest order that a linear program is tried for; above it a move is the closed form."""
@@ -90,21 +90,6 @@ def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
     if move is None or move.duration < closed.duration * (1.0 - _NEGLIGIBLE):
         return move
     return closed
-
-
-def spline_durations(distance: float, limits: Limits) -> FloatArray:
-    """Return how long a move takes at least by the bound on each derivative alone, index k.
-
-    The perfect spline's duration, zero where there is no bound. Of even derivatives the mean of
-    both directions counts, which any move made odd about its middle keeps.
-    """
-    durations = np.zeros(limits.order + 1)
-    for k in range(1, limits.order + 1):
-        low, high = limits.bounds(k)
-        bound = 0.5 * (high - low) if k % 2 == 0 else high if k == 1 else max(-low, high)
-        if np.isfinite(bound):
-            durations[k] = (distance / bound * spline_divisor(k)) ** (1.0 / k)
-    return durations
 
 
 def _is_single_spline(closed: Trajectory, limits: Limits) -> bool:
