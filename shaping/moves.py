@@ -35,7 +35,8 @@ def min_time_move(
         Position at the start.
     method : "optimal" or "closed-form", optional
         "closed-form" is the fastest feasible one of: the perfect spline, the recursive S-curve,
-        recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves.
+        recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves;
+        `proven_excess` says at once how much it loses at most, `certify` how much.
         "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
     duration : float, optional
         How long the move is to take, the minimum at least. It then cruises at a lower velocity

@@ -17,6 +17,7 @@ from ..trajectory import Motion, Trajectory, as_trajectory
 from .half_bounds import proven_by_half
 from .proof import Proof, Proven, Slopes
 from .proof_check import holds
+from .quick_bounds import least_duration
 from .smoothing import even_are_symmetric, truncated
 from .whole.outcome import check_whole
 from .whole.planner import HIGHEST_ORDER, Plan, planned
@@ -63,6 +64,14 @@ class Certificate:
     def reached(self) -> bool:
         """Whether the gap is as small as was asked for; the bound holds in any case."""
         return self.gap <= self.rtol
+
+    def __str__(self) -> str:
+        if not self.lower_bound > 0.0:
+            return f"{self.duration:.10g}: nothing is proven of the minimum time"
+        return (
+            f"{self.duration:.10g}: at most {100.0 * self.gap:.2g} % more than the minimum time, "
+            f"which is proven to be at least {self.lower_bound:.10g}"
+        )
 
     def check(self) -> bool:
         """Tell whether the proof holds, by rational arithmetic alone (`proof_check`)."""
@@ -182,6 +191,52 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
         check_whole(limits)
         proven = in_range(lambda: _by_whole(move, limits, rtol, rests))
     return _certificate(move.duration, limits, rtol, proven)
+
+
+def proven_excess(trajectory: Motion, limits: Limits) -> float:
+    """Return how much longer than need be a move from rest to rest takes at most, T/T_lower − 1.
+
+    The bound costs next to nothing: T_lower is the exact minimum under the bounds up to jerk, or
+    the duration of the perfect spline of one bound alone if that is longer. It says what a move
+    of method="closed-form" may lose; `certify` proves how much it does lose.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        From rest to rest, within the limits.
+    limits : Limits
+
+    Returns
+    -------
+    float
+        0.02 for at most 2 % more than the minimum time; infinite where nothing is known of that.
+
+    Raises
+    ------
+    ValueError
+        For a motion that breaks its limits, jumps in a derivative that is bounded, or does not
+        start and end at rest.
+
+    Examples
+    --------
+    >>> from jounce.shaping import min_time_move
+    >>> limits = Limits(velocity=2.0, acceleration=(-4.0, 8.0), jerk=60.0, snap=2000.0)
+    >>> quick = min_time_move(1.0, limits, method="closed-form")
+    >>> round(proven_excess(quick, limits), 3), round(certify(quick, limits).gap, 3)
+    (0.062, 0.03)
+    """
+    move, limits = as_trajectory(trajectory), of_one(limits)
+    _check(move, limits)
+    if not _at_rest(move, limits.order):
+        raise ValueError(
+            "the trajectory starts or ends in motion: proven_excess takes moves from rest to rest; "
+            "certify takes any"
+        )
+    distance = float(move.end_state[0] - move.start_state[0])
+    least = in_range(lambda: least_duration(distance, limits)) if distance else 0.0
+    if not least > 0.0:
+        return inf if move.duration > 0.0 else 0.0
+    return max(move.duration / least - 1.0, 0.0)
 
 
 def _has_half(limits: Limits) -> bool:

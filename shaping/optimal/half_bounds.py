@@ -17,8 +17,8 @@ from .mesh import graded_mesh, with_touches
 from .minimum_time import MAX_OPTIMAL_ORDER, improved, without_cruise
 from .own_units import of_order_one
 from .proof import CostateLink, MirroredLink, Numbers, Proof, Proven, Slopes
+from .quick_bounds import spline_durations, spline_link, spline_terms
 from .smoothing import lower_order, relative_width, truncated
-from .spline_bounds import spline_durations, spline_link, spline_terms
 
 _ROUNDING = 1e-12  # of the lower bound, taken off it
 _SLOWER = 1e-9  # than another motion, relative

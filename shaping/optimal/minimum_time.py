@@ -21,8 +21,8 @@ from ..trajectory import Trajectory
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
 from .mesh import graded_mesh, split_losses, split_sudden, split_switches
+from .quick_bounds import least_duration, spline_durations
 from .smoothing import averaged_half, averaging_width, lower_order, relative_width, truncated
-from .spline_bounds import spline_durations
 
 MAX_OPTIMAL_ORDER = 10
 """Highest order that a linear program is tried for; above it a move is the closed form."""
@@ -49,7 +49,7 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
     move = improved(closed, limits)
     if move is not None:
         return move
-    lost = _most_lost(closed, limits)
+    lost = closed.duration / least_duration(float(closed.end_state[0]), limits) - 1.0
     if lost <= _NEAR:
         return closed
     reason = (
@@ -65,15 +65,6 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
         stacklevel=5,  # the caller of min_time_move
     )
     return closed
-
-
-def _most_lost(closed: Trajectory, limits: Limits) -> float:
-    """Return how much longer it takes than under the bounds up to jerk, whose minimum is known."""
-    low = [k for k in range(1, 4) if limits.bounds(k)[1] < np.inf]
-    if not low or not all(np.isfinite(limits.bounds(low[-1]))):
-        return np.inf
-    fastest = closed_form_move(float(closed.end_state[0]), truncated(limits, low[-1]))
-    return closed.duration / fastest.duration - 1.0
 
 
 def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:

@@ -1,15 +1,43 @@
-"""What the bound on one derivative alone says of a move: no less time than a perfect spline."""
+"""Lower bounds on a move's duration that cost no program: each bound alone, and order 3."""
 
 from __future__ import annotations
 
-from math import comb, factorial, inf
+from math import comb, factorial, inf, isfinite
 
 import numpy as np
 
+from ..closed_moves import closed_form_move
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..rise import spline_divisor
 from .proof import CostateLink
+from .smoothing import truncated
+
+
+def least_duration(distance: float, limits: Limits) -> float:
+    """Return a time that no move over a distance takes less than; 0 where nothing bounds it.
+
+    The longest perfect spline of one bound alone, or the exact minimum under those up to jerk.
+    """
+    limits = plain_limits(limits)
+    ahead = limits if distance > 0.0 else limits.mirror()
+    alone = float(spline_durations(abs(distance), ahead).max())
+    for order in (3, 2, 1):
+        if all(map(isfinite, limits.bounds(order))):
+            low = closed_form_move(distance, truncated(limits, order))
+            return max(alone, low.duration)
+    return alone
+
+
+def plain_limits(limits: Limits) -> Limits:
+    """Return limits without the bounds that a move from rest to rest of low order never meets."""
+    if limits.plain:
+        return limits
+    pairs = [
+        (low if low < 0.0 else -high, high if high > 0.0 else -low)
+        for low, high in zip(limits.lower, limits.upper, strict=True)
+    ]
+    return Limits.from_bounds(pairs)
 
 
 def spline_durations(distance: float, limits: Limits) -> FloatArray:
