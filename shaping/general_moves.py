@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from .batches.averages import averaged_move
 from .checks import finite, positive
 from .closed_moves import check_move_limits
 from .limits import Limits, of_one
 from .optimal.quick_bounds import least_duration, plain_limits
 from .optimal.smoothing import even_are_symmetric
-from .optimal.whole.averaged import averaged_move
 from .optimal.whole.lasting import lasting
 from .optimal.whole.outcome import found_plan, inside_bounds, warn_if_far
 from .optimal.whole.planner import HIGHEST_ORDER, planned
@@ -45,7 +45,8 @@ def general_move(
         return None
     if lasts != (None, None):
         return None if n > HIGHEST_ORDER else lasting(begin, end, limits, *lasts, rtol=rtol)
-    closed = _closed(distance, simpler, start, "optimal" if halved else "closed-form")
+    best = halved and method == "optimal"
+    closed = _closed(distance, simpler, start, "optimal" if best else "closed-form")
     kept = closed.violation(limits) <= _KEPT
     if kept and (halved or method == "closed-form"):
         return closed
@@ -57,7 +58,7 @@ def general_move(
 def _closed(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
     """Return the faster one of the closed form and of averages of lower orders."""
     move = plain_move(distance, limits, start, method)
-    if method == "optimal":
+    if method == "optimal" or limits.order < 4:
         return move
     other = averaged_move(distance, limits)
     return other.shift(start) if other is not None and other.duration < move.duration else move
