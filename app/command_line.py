@@ -20,6 +20,8 @@ from .sweep_command import sweep_command
 from .usage import USAGE_ERRORS, unknown_option, usage_message
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from ..shaping.plain_moves import Method
     from .plan import Plan
 
@@ -190,7 +192,7 @@ def plan_command(
     controllers have it.
     """
     from .plan import plan_move
-    from .plan_report import certificate_table, plan_tables
+    from .plan_report import certificate_table, excess_text, plan_tables
     from .plan_s_curve import SCurveText, plan_s_curve
 
     _refuse_extra([distance or "", *context.args], context)
@@ -211,11 +213,13 @@ def plan_command(
         plan = plan_move(
             distance, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
         )
-    proofs = []
+    proofs: list[Table | str] = []
     if certify:
         from ..shaping import certify as prove
 
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
+    elif closed_form:
+        proofs.append(excess_text(plan))
     _write_plan(plan, csv, plot)
     print_parts(*plan_tables(plan, pieces=pieces), *proofs, *plan.remarks)
     for path in (csv, plot):

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from ..shaping import binding_limits
+from ..shaping import binding_limits, proven_excess
 from ..shaping.derivatives import derivative_name
 from ..shaping.optimal.binding import BINDING_RTOL
+from ..shaping.optimal.whole.planner import HIGHEST_ORDER
 from .tables import WideTable, plain_table, without_rounding
 
 if TYPE_CHECKING:
@@ -38,13 +39,21 @@ def certificate_table(plan: Plan, certificate: Certificate) -> Table:
     table.add_row("gap", f"{100.0 * certificate.gap:.3g} %")
     if not certificate.reached:
         table.add_row("gap aimed at", f"{100.0 * certificate.rtol:g} %, not reached")
-        if not plan.limits.symmetric:
+        if plan.limits.order > HIGHEST_ORDER and not plan.limits.symmetric:
             table.add_row("limits that differ by direction", "taken as their mean")
     for k, sensitivity in enumerate(certificate.sensitivities, start=1):
         if isfinite(plan.limits.bounds(k)[1]):
             saved = f"saves {-sensitivity + 0.0:.2f} %" if sensitivity < -5e-3 else "saves nothing"
             table.add_row(f"raising {derivative_name(k)} by 1 %", saved)
     return table
+
+
+def excess_text(plan: Plan) -> str:
+    """Return what a closed form loses at most, as far as no program is asked."""
+    most = 100.0 * proven_excess(plan.trajectory, plan.limits)
+    return (
+        f"closed form: at most {most:.2g} % more than the minimum time; --certify proves how much"
+    )
 
 
 def switch_rows(plan: Plan) -> tuple[list[str], list[list[float]]]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .followers import CommandFollower, FollowerResponse
     from .input_shapers import InputShaper, input_shaper
     from .optimal.binding import binding_limits
-    from .optimal.certificate import Certificate, certify
+    from .optimal.certificate import Certificate, certify, proven_excess
     from .passage import Passage, Tour
     from .scans import Scan, scan_move
     from .tours.through import through
@@ -50,6 +50,7 @@ _LATER = {
     "VelocityMove": "transfers.velocity_move",
     "binding_limits": "optimal.binding",
     "certify": "optimal.certificate",
+    "proven_excess": "optimal.certificate",
     "follow_commands": "followed",
     "input_shaper": "input_shapers",
     "min_time_moves": "batches.moves",
@@ -93,6 +94,7 @@ __all__ = [
     "min_time_transfer",
     "min_time_transfers",
     "perfect_spline",
+    "proven_excess",
     "s_curve_move",
     "scan_move",
     "switch_fractions",

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
+from .batches.averages import averaged_move
 from .checks import finite, positive
-from .closed_moves import check_move_limits, closed_form_move
+from .closed_moves import check_move_limits
 from .limits import Limits, of_one
-from .optimal.smoothing import even_are_symmetric, truncated
-from .optimal.whole.averaged import averaged_move
+from .optimal.quick_bounds import least_duration, plain_limits
+from .optimal.smoothing import even_are_symmetric
 from .optimal.whole.lasting import lasting
 from .optimal.whole.outcome import found_plan, inside_bounds, warn_if_far
 from .optimal.whole.planner import HIGHEST_ORDER, planned
@@ -37,7 +36,7 @@ def general_move(
         inside_bounds(name, state, limits)
         for name, state in zip(("start", "end"), states, strict=True)
     )
-    simpler = _simpler(limits)
+    simpler = plain_limits(limits)
     check_move_limits(simpler)
     if distance == 0.0:
         return None if limits.plain else point(start, n)
@@ -46,7 +45,8 @@ def general_move(
         return None
     if lasts != (None, None):
         return None if n > HIGHEST_ORDER else lasting(begin, end, limits, *lasts, rtol=rtol)
-    closed = _closed(distance, simpler, start, "optimal" if halved else "closed-form")
+    best = halved and method == "optimal"
+    closed = _closed(distance, simpler, start, "optimal" if best else "closed-form")
     kept = closed.violation(limits) <= _KEPT
     if kept and (halved or method == "closed-form"):
         return closed
@@ -58,31 +58,10 @@ def general_move(
 def _closed(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
     """Return the faster one of the closed form and of averages of lower orders."""
     move = plain_move(distance, limits, start, method)
-    if method == "optimal":
+    if method == "optimal" or limits.order < 4:
         return move
     other = averaged_move(distance, limits)
     return other.shift(start) if other is not None and other.duration < move.duration else move
-
-
-def _simpler(limits: Limits) -> Limits:
-    """Return limits without the bounds that a move from rest to rest of low order never meets."""
-    if limits.plain:
-        return limits
-    pairs = [
-        (low if low < 0.0 else -high, high if high > 0.0 else -low)
-        for low, high in zip(limits.lower, limits.upper, strict=True)
-    ]
-    return Limits.from_bounds(pairs)
-
-
-def _least(closed: Trajectory, limits: Limits) -> float:
-    """Return the exact minimum time under the bounds up to jerk alone; 0 where there are none."""
-    for order in (3, 2, 1):
-        if all(map(isfinite, limits.bounds(order))):
-            distance = float(closed.end_state[0] - closed.start_state[0])
-            below = truncated(_simpler(limits), order)
-            return closed_form_move(distance, below).duration
-    return 0.0
 
 
 def _whole_move(
@@ -93,7 +72,8 @@ def _whole_move(
     closed: Trajectory | None,
 ) -> Trajectory:
     """Return the move of the whole horizon, or the closed form where that is faster."""
-    if closed is not None and closed.duration <= _least(closed, limits) * (1.0 + rtol):
+    least = least_duration(end[0] - begin[0], limits)
+    if closed is not None and closed.duration <= least * (1.0 + rtol):
         return closed
     try:
         plan = found_plan(begin, end, limits, rtol=rtol)

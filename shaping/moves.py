@@ -35,7 +35,8 @@ def min_time_move(
         Position at the start.
     method : "optimal" or "closed-form", optional
         "closed-form" is the fastest feasible one of: the perfect spline, the recursive S-curve,
-        recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves.
+        recursive S-curves whose innermost ramps are perfect splines, Thompson's longer moves;
+        `proven_excess` says at once how much it loses at most, `certify` how much.
         "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
     duration : float, optional
         How long the move is to take, the minimum at least. It then cruises at a lower velocity
@@ -88,8 +89,8 @@ def min_time_move(
 
     Bounds that differ between directions are used exactly, those on even derivatives from n = 4 to
     10 by programs over the whole horizon as in `min_time_transfer`. Closed forms, from n = 4 on,
-    are there the faster one of moving averages of the move of order 3 and of those for the smaller
-    magnitude of each pair from acceleration upward: feasible, but not the fastest.
+    are there the faster one of moving averages of the move of order 1, 2 or 3 and of those for the
+    smaller magnitude of each pair from acceleration upward: feasible, but not the fastest.
 
     End position within 1e-12 of the distance (and rounding of start + distance), every bound
     kept to 1e-12 relative, for orders to 10.

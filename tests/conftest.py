@@ -52,6 +52,27 @@ def rubin():
     return survey_of("rubin_mount")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _every_proof_is_checked():
+    """Let the checker verify each proof of a minimum time that any test makes."""
+    from jounce.shaping.optimal import half_bounds
+    from jounce.shaping.optimal.proof_check import holds
+    from jounce.shaping.optimal.whole.planner import Plan
+
+    def checked(make):
+        def proof(*given):
+            made = make(*given)
+            assert holds(made), made
+            return made
+
+        return proof
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Plan, "proof", property(checked(Plan.proof.fget)))
+        patch.setattr(half_bounds, "_proof", checked(half_bounds._proof))
+        yield
+
+
 @pytest.fixture(autouse=True)
 def _no_figure_left():
     """Close the figures that a test leaves with pyplot, which keeps them for ever."""

@@ -30,13 +30,8 @@ class MoveProblem:
         return Limits.from_bounds(self.bounds)
 
     def move(self) -> Trajectory:
-        """Return the move alone; from order 4 on the smaller bound counts, but for velocity."""
-        bounds = self.bounds
-        if len(bounds) > 3:
-            ahead = bounds[0][1] if self.distance > 0.0 else -bounds[0][0]
-            bounds = ((-ahead, ahead), *((-min(-a, b), min(-a, b)) for a, b in bounds[1:]))
-        limits = Limits.from_bounds(bounds)
-        return min_time_move(self.distance, limits, start=self.start, method="closed-form")
+        """Return the move alone."""
+        return min_time_move(self.distance, self.limits, start=self.start, method="closed-form")
 
 
 def random_moves(

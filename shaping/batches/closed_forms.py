@@ -5,13 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..closed_moves import SPOILT, not_kept
 from ..frozen import Frozen
 from ..limits import Limits
-from ..move_units import MoveUnits, in_own_units
+from ..move_units import MoveUnits, Sides, in_own_units
 from ..pieces import FloatArray
 from ..trajectory import Trajectory, point, within_range
+from .averages import (
+    ORDERS,
+    averaged_duration,
+    averaged_move,
+    averaged_pieces,
+    most_averaged,
+)
 from .forms import Forms, Lanes, fastest, most_pieces, pieces, trajectory
 from .lanes import AT_ONCE, Index, Shape, in_threads, index_text, lanes, limits_of, sides
 
@@ -21,7 +29,8 @@ class ClosedForms(Frozen):
     """Moves of order n ≥ 4: distances, starts and forms of one shape, limits that broadcast.
 
     A form is the derivative whose rise is one perfect spline (n − 1: the recursive S-curve; 0: one
-    spline from start to end), or n for Thompson's longer move without cruise.
+    spline from start to end), n for Thompson's longer move without cruise, or n + m for averages of
+    the move of order m, which bounds that differ between the directions are used by exactly.
     """
 
     distances: FloatArray
@@ -42,8 +51,11 @@ class ClosedForms(Frozen):
 
         def some(part: slice) -> None:
             units, lengths, bounds = _seen_forward(distances, limits, duration.shape, part)
-            times, forms.reshape(-1)[part] = fastest(lengths, bounds)
-            duration.reshape(-1)[part] = units.times(times)
+            times, form = fastest(lengths, bounds)
+            times = units.times(times)
+            if not limits.symmetric:
+                _take_averaged(*_ahead(distances, limits, duration.shape, part), times, form)
+            duration.reshape(-1)[part], forms.reshape(-1)[part] = times, form
 
         in_threads(some, duration.size, AT_ONCE // 2)  # whose arrays take half a megabyte
         return cls(distances, starts, limits, forms)
@@ -51,7 +63,9 @@ class ClosedForms(Frozen):
     @property
     def most(self) -> int:
         """Largest number of pieces of a motion."""
-        return most_pieces(self.limits.order, self.forms)
+        n = self.limits.order
+        averaged = [most_averaged(n, m) for m in ORDERS if (self.forms == n + m).any()]
+        return max([most_pieces(n, self.forms), *averaged])
 
     def select(self, index: Index) -> ClosedForms:
         """Return the problems that an index of numpy selects."""
@@ -64,6 +78,11 @@ class ClosedForms(Frozen):
         limits = limits_of(self.limits, self.forms.shape, index)
         if distance == 0.0:
             return point(start, limits.order)
+        if self.forms[index] > limits.order:
+            found = averaged_move(distance, limits)
+            if found is None:
+                raise not_kept(limits.order, f" of move {index}")
+            return found.shift(start)
         ahead = np.array([distance])
         units, length, bounds = _seen_forward(ahead, limits, (1,), slice(0, 1))
         form, numbers = int(self.forms[index]), [float(bound.item()) for bound in bounds]
@@ -100,8 +119,53 @@ class ClosedForms(Frozen):
             rows[0] += starts[chosen]
             lengths[chosen, :m] = durations.T
             states[chosen, :m] = rows.transpose(2, 1, 0)
+        for m in ORDERS:
+            [chosen] = np.nonzero(forms == self.limits.order + m)
+            if len(chosen):
+                self._fill_averaged(m, chosen, some, rooms)
         still = distances == 0.0
         lengths[still], states[still] = 0.0, ends[still, None]
+
+    def _fill_averaged(
+        self,
+        order: int,
+        chosen: NDArray[np.intp],
+        some: slice,
+        rooms: tuple[FloatArray, FloatArray, FloatArray],
+    ) -> None:
+        lengths, states, ends = rooms
+        size, sides = _ahead(self.distances, self.limits, self.forms.shape, some)
+        sides = [(_of(low, chosen), _of(high, chosen)) for low, high in sides]
+        durations, rows = averaged_pieces(size[chosen], sides, order)
+        forward = lanes(self.distances, self.forms.shape, some)
+        direction = np.where(np.broadcast_to(forward, len(ends))[chosen] < 0.0, -1.0, 1.0)
+        rows = np.asarray(rows[:, :-1] * direction, float)
+        rows[0] += np.broadcast_to(lanes(self.starts, self.forms.shape, some), len(ends))[chosen]
+        m = len(durations)
+        lengths[chosen, :m] = durations.T
+        states[chosen, :m] = rows.transpose(2, 1, 0)
+
+
+def _take_averaged(
+    distance: FloatArray, sides: list[Sides], times: FloatArray, forms: Forms
+) -> None:
+    """Put in place the durations and forms of averages that are faster."""
+    for m in ORDERS:
+        other = averaged_duration(distance, sides, m)
+        better = other < times
+        times[better], forms[better] = other[better], len(sides) + m
+
+
+def _ahead(
+    distances: FloatArray, limits: Limits, shape: Shape, some: slice
+) -> tuple[FloatArray, list[Sides]]:
+    """Return sizes of distances (K,), and both sides of all bounds seen forward."""
+    count = len(range(*some.indices(int(np.prod(shape)))))
+    distance = np.broadcast_to(lanes(distances, shape, some), count)
+    pairs, back = sides(limits, shape, some), distance < 0.0
+    if back.any():
+        pairs = [(np.where(back, -b, a), np.where(back, -a, b)) for a, b in pairs]
+    return np.abs(distance), pairs
 
 
 def _seen_forward(

@@ -55,9 +55,10 @@ def min_time_moves(distances: ArrayLike, limits: Limits, *, start: ArrayLike = 0
     Notes
     -----
     The durations agree to 1e-12 with those of `min_time_move` with method="closed-form": the
-    minimum for n ≤ 3, and a feasible move beyond. Where bounds differ between directions, n ≥ 4,
-    the smaller magnitude of each pair from acceleration upward counts for both; one move alone
-    does better there.
+    minimum for n ≤ 3, and a feasible move beyond (`proven_excess(batch[i], limits)` tells how much
+    longer than need be at most). Where bounds differ between directions, n ≥ 4, that is the
+    faster one of moving averages of the exact move of order 1, 2 or 3 and of the closed form for
+    the smaller magnitude of each pair from acceleration upward.
 
     A batch keeps 16 bytes a move: its duration and its distance. One more for n ≥ 4, and 16 for
     every bound and 8 for starts that are given as arrays. Planning takes at most 5 MB beside,

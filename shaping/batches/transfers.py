@@ -28,7 +28,8 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
         Position, velocity and, for order 3, acceleration; those left out at the end are zero. One
         state (order,) stands for all.
     limits : Limits
-        Of order 2 or 3, of numbers, which hold for all, or of arrays.
+        Of order 2 or 3, of numbers, which hold for all, or of arrays. At higher orders, and with
+        bounds on position or zero on a side, `min_time_transfer` plans one after the other.
 
     Returns
     -------

@@ -24,15 +24,16 @@ def binding_limits(
     trajectory : Trajectory
     limits : Limits
     rtol : float, optional
-        How near to its bound, relative, a derivative counts as at it; below 1. An optimal move of
-        order 4 or more comes as near as the default where its true minimum would stay at the
-        bound.
+        How near to its bound a derivative counts as at it, relative to the bound, or to its own
+        peak where that is zero, position to the distance between its extremes; below 1. An optimal
+        move of order 4 or more comes as near as the default where its true minimum would stay at
+        the bound.
 
     Returns
     -------
     tuple of m tuples of int
-        For each piece the numbers of the derivatives (1 velocity, 2 acceleration, …) that stay
-        at one of their bounds from its start to its end, lowest first; empty where none does,
+        For each piece the numbers of the derivatives (0 position, 1 velocity, …) that stay at one
+        of their bounds from its start to its end, lowest first; empty where none does,
         as on a piece on which the input is between its bounds.
 
     Raises
@@ -56,12 +57,12 @@ def binding_limits(
             f"rtol = {rtol!r}: expected less than 1, at which everything is at a bound"
         )
     held: list[list[int]] = [[] for _ in trajectory.states]
-    for k in range(1, min(limits.order, trajectory.order) + 1):
-        if not held:
-            break
+    for k in range(min(limits.order, trajectory.order) + 1 if held else 0):
         low, high = extrema(trajectory.durations, trajectory.states[:, k:].T)
         lower, upper = limits.bounds(k)
-        at = (low >= upper * (1.0 - rtol)) | (high <= lower * (1.0 - rtol))
+        least, most = float(low.min()), float(high.max())
+        sizes = [most - least if k == 0 else abs(x) or max(-least, most) for x in (lower, upper)]
+        at = (low >= upper - rtol * sizes[1]) | (high <= lower + rtol * sizes[0])
         for i in np.flatnonzero(at):
             held[i].append(k)
     return tuple(tuple(derivatives) for derivatives in held)

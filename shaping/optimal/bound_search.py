@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
-from .half_problem import HalfProblem, duration_of, paid
+from .half_problem import HalfProblem, duration_of
 from .mesh import refined
 from .multipliers import Multipliers, signed_integrals
 from .relaxation import RelaxedProgram
@@ -19,6 +21,27 @@ _FAR = 0.95  # of a bound known before: what the second round must come to
 _STALLED = 0.02  # of the gap: progress in a round below which it counts as idle
 _ROUNDING = 1e-13
 _CLOSE = 0.7  # of an extreme: where a derivative is farther from it no multiplier is of use
+
+
+@dataclass(frozen=True, eq=False)
+class HalfBound:
+    """A half duration that multipliers prove to be the least, in the problem's units.
+
+    Attributes
+    ----------
+    half : float
+        0 where they prove nothing.
+    terms : (2, n + 1) array
+        What lower and upper bounds of derivative k contribute to the distance in that time.
+    multipliers : Multipliers
+    cruise : float
+        Time from their end to the middle.
+    """
+
+    half: float
+    terms: FloatArray
+    multipliers: Multipliers
+    cruise: float
 
 
 class BoundSearch:
@@ -40,7 +63,7 @@ class BoundSearch:
     ) -> None:
         self.problem, self.motion, self.best = problem, motion, best
         self.distance, self.span = distance, span
-        self.terms = np.zeros(problem.order + 1)
+        self.kept: Multipliers | None = None
 
     def run(self, nodes: FloatArray, half: float, target: float) -> None:
         """Solve and refine until `half` is proven to `target`, or no more comes of it."""
@@ -75,35 +98,43 @@ class BoundSearch:
 
     def _take(self, multipliers: Multipliers, parts: int) -> tuple[float, FloatArray, FloatArray]:
         """Return the bound, and what the motion loses against it, see `refined`."""
-        lower, upper = self.problem.lower, self.problem.upper
         coefficients, rounding = multipliers.costates()
         up, down = signed_integrals(coefficients, multipliers.cells, rounding)
-        positive, negative = multipliers.masses()
-        worth = np.append(
-            paid(positive, lower[:-1], upper[:-1]) + paid(-negative, lower[:-1], upper[:-1]),
-            float(up.sum()) * upper[-1] - float(down.sum()) * lower[-1],
-        )
-        half, terms = self._half(worth, float(multipliers.cells.sum()))
+        half = self._bound(multipliers, float(up.sum()), float(down.sum())).half
         if half > self.best:
-            self.best, self.terms = half, terms
+            self.best, self.kept = half, multipliers.merged(parts)
         times = np.concatenate([[0.0], np.cumsum(multipliers.cells)])
         waste = self._waste(times, np.asarray(up, float), np.asarray(down, float))
         return half, waste, self._slack(times, multipliers, parts)
 
-    def _half(self, worth: FloatArray, end: float) -> tuple[float, FloatArray]:
-        """Return the half duration that is proven, 0 for none, and the terms that make it.
+    def found(self) -> HalfBound | None:
+        """Return the best bound found, None where there is no better one than that at first."""
+        if self.kept is None:
+            return None
+        coefficients, rounding = self.kept.costates()
+        up, down = signed_integrals(coefficients, self.kept.cells, rounding)
+        return self._bound(self.kept, float(up.sum()), float(down.sum()))
+
+    def _bound(self, multipliers: Multipliers, up: float, down: float) -> HalfBound:
+        """Return what multipliers prove, ∫p⁺ and ∫p⁻ being `up` and `down`.
 
         R/2 = Σ_k worth[k]·η^k, or with a cruise R/2 = Σ_k worth[k] + L_1·(η − 1): velocity is at
         most L_1 after the first 1, and η is known to be more.
         """
+        positive, negative = multipliers.masses()
+        masses = np.array([np.append(-negative, -down), np.append(positive, up)])
+        bounds = np.array([self.problem.lower, self.problem.upper])
+        worth = masses * np.where(masses == 0.0, 0.0, bounds)
+        end = float(multipliers.cells.sum())
         if self.problem.cruising:
             ahead = self.distance - float(worth.sum())
-            worth[1] += ahead
-            return end + ahead / float(self.problem.upper[1]) if ahead > 0.0 else 0.0, worth
-        half = duration_of(worth, self.distance, self.best)
-        terms = worth * half ** np.arange(len(worth))
+            worth[1, 1] += ahead
+            cruise = max(ahead / float(self.problem.upper[1]), 0.0)
+            return HalfBound(end + cruise if ahead > 0.0 else 0.0, worth, multipliers, cruise)
+        half = duration_of(worth.sum(axis=0), self.distance, self.best)
+        terms = worth * half ** np.arange(worth.shape[1])
         sound = terms.sum() <= self.distance * (1.0 + _ROUNDING)
-        return half * end if sound else 0.0, terms
+        return HalfBound(half * end if sound else 0.0, terms, multipliers, 0.0)
 
     def _waste(self, times: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
         middles = 0.5 * (times[1:] + times[:-1]) * self.span

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
-from math import inf, ldexp
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 import numpy as np
 
 from ..checks import in_range, positive
-from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
-from ..pieces import FloatArray, evaluate
+from ..pieces import evaluate
 from ..trajectory import Motion, Trajectory, as_trajectory
-from .bound_search import BoundSearch
-from .half_problem import HalfProblem
-from .mesh import graded_mesh, with_touches
-from .minimum_time import MAX_OPTIMAL_ORDER, improved, spline_durations, without_cruise
-from .own_units import of_order_one
-from .proof import Proof
+from .half_bounds import proven_by_half
+from .proof import Proof, Proven, Slopes
 from .proof_check import holds
-from .smoothing import even_are_symmetric, lower_order, relative_width, truncated
+from .quick_bounds import least_duration
+from .smoothing import even_are_symmetric, truncated
 from .whole.outcome import check_whole
 from .whole.planner import HIGHEST_ORDER, Plan, planned
 
-_ROUNDING = 1e-12  # of the lower bound, taken off it
-_NEXT_TO_NOTHING = 0.5  # of the gap asked for
+_ROUNDING = 1e-12  # of the gap that a certificate tells
 _AT_REST = 1e-9  # of a derivative's peak
-_LONG = 6.0  # times the time of the ramps: cruise left in, as velocity may dip after a ramp
-_CELLS = 40
-_LOW_ORDER_TARGET = 1e-9
 _TARGETS = (1.0, 0.5, 0.2)  # of the gap asked for: searches, the next where one was not enough
 
 
@@ -51,16 +43,20 @@ class Certificate:
         dT/dL_k·L_k/T of the lower bound, velocity first, both sides of a bound changed alike: −0.2
         for jerk says that raising its limit by 1 % saves 0.2 %. From rest to rest, positions
         free, Σ_k k·sensitivity_k = −1; all zero where nothing is proven.
+    slopes : tuple of pairs of float
+        dT/d(lower bound) and dT/d(upper bound) of the lower bound, position first: what a bound of
+        one side alone costs, one of zero or on position too.
     rtol : float
         The gap that was asked for.
     proof : Proof or None
-        The proof as data; None where `lower_bound` rests on the half horizon, or is zero.
+        The proof as data; None where nothing is proven, `lower_bound` being zero.
     """
 
     duration: float
     lower_bound: float
     gap: float
     sensitivities: tuple[float, ...]
+    slopes: Slopes
     rtol: float
     proof: Proof | None = None
 
@@ -68,6 +64,14 @@ class Certificate:
     def reached(self) -> bool:
         """Whether the gap is as small as was asked for; the bound holds in any case."""
         return self.gap <= self.rtol
+
+    def __str__(self) -> str:
+        if not self.lower_bound > 0.0:
+            return f"{self.duration:.10g}: nothing is proven of the minimum time"
+        return (
+            f"{self.duration:.10g}: at most {100.0 * self.gap:.2g} % more than the minimum time, "
+            f"which is proven to be at least {self.lower_bound:.10g}"
+        )
 
     def check(self) -> bool:
         """Tell whether the proof holds, by rational arithmetic alone (`proof_check`)."""
@@ -104,6 +108,7 @@ class Certificate:
                 float(data["lower_bound"]),
                 inf if data["gap"] is None else float(data["gap"]),
                 tuple(map(float, data["sensitivities"])),
+                tuple((float(low), float(high)) for low, high in data["slopes"]),
                 float(data["rtol"]),
                 None if proof is None else Proof.from_text(json.dumps(proof)),
             )
@@ -180,30 +185,81 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     move, limits = as_trajectory(trajectory), of_one(limits)
     _check(move, limits)
     rests = _at_rest(move, limits.order)
-    by_half = rests and limits.plain and even_are_symmetric(limits)
-    if by_half or (rests and not 2 <= limits.order <= HIGHEST_ORDER):
-        return _by_half(move, limits, rtol)
-    check_whole(limits)
-    return in_range(lambda: _by_whole(move, limits, rtol, rests))
+    if rests and (not 2 <= limits.order <= HIGHEST_ORDER or _has_half(limits)):
+        proven = in_range(lambda: proven_by_half(move, limits, rtol))
+    else:
+        check_whole(limits)
+        proven = in_range(lambda: _by_whole(move, limits, rtol, rests))
+    return _certificate(move.duration, limits, rtol, proven)
 
 
-def _by_half(given: Trajectory, limits: Limits, rtol: float) -> Certificate:
-    move, limits, time = of_order_one(given, limits)
+def proven_excess(trajectory: Motion, limits: Limits) -> float:
+    """Return how much longer than need be a move from rest to rest takes at most, T/T_lower − 1.
+
+    The bound costs next to nothing: T_lower is the exact minimum under the bounds up to jerk, or
+    the duration of the perfect spline of one bound alone if that is longer. It says what a move
+    of method="closed-form" may lose; `certify` proves how much it does lose.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        From rest to rest, within the limits.
+    limits : Limits
+
+    Returns
+    -------
+    float
+        0.02 for at most 2 % more than the minimum time; infinite where nothing is known of that.
+
+    Raises
+    ------
+    ValueError
+        For a motion that breaks its limits, jumps in a derivative that is bounded, or does not
+        start and end at rest.
+
+    Examples
+    --------
+    >>> from jounce.shaping import min_time_move
+    >>> limits = Limits(velocity=2.0, acceleration=(-4.0, 8.0), jerk=60.0, snap=2000.0)
+    >>> quick = min_time_move(1.0, limits, method="closed-form")
+    >>> round(proven_excess(quick, limits), 3), round(certify(quick, limits).gap, 3)
+    (0.062, 0.03)
+    """
+    move, limits = as_trajectory(trajectory), of_one(limits)
+    _check(move, limits)
+    if not _at_rest(move, limits.order):
+        raise ValueError(
+            "the trajectory starts or ends in motion: proven_excess takes moves from rest to rest; "
+            "certify takes any"
+        )
     distance = float(move.end_state[0] - move.start_state[0])
-    if distance < 0.0:
-        move, limits = move.mirror(), limits.mirror()
-    if distance == 0.0:
-        gap = inf if move.duration > 0.0 else 0.0
-        return Certificate(given.duration, 0.0, gap, (0.0,) * limits.order, rtol)
-    lower, terms = in_range(lambda: _bounds(move, abs(distance), limits, rtol))
-    if not lower > 0.0:
-        return Certificate(given.duration, 0.0, inf, (0.0,) * limits.order, rtol)
-    gap = max(move.duration / lower - 1.0, 0.0)
-    return Certificate(given.duration, ldexp(lower, time), gap, _sensitivities(terms, limits), rtol)
+    least = in_range(lambda: least_duration(distance, limits)) if distance else 0.0
+    if not least > 0.0:
+        return inf if move.duration > 0.0 else 0.0
+    return max(move.duration / least - 1.0, 0.0)
 
 
-def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Certificate:
-    """Return the certificate of a search, of fewer derivatives where the highest ones spoil it."""
+def _has_half(limits: Limits) -> bool:
+    """Tell whether moves within limits can be taken odd about their middle."""
+    return limits.plain and even_are_symmetric(limits)
+
+
+def _certificate(
+    duration: float, limits: Limits, rtol: float, proven: Proven | None
+) -> Certificate:
+    n = limits.order
+    if proven is None or not 0.0 < proven.lower_bound <= duration * (1.0 + _AT_REST):
+        gap = inf if duration > 0.0 else 0.0
+        return Certificate(duration, 0.0, gap, (0.0,) * n, ((0.0, 0.0),) * (n + 1), rtol)
+    lower = proven.lower_bound
+    slopes = (*proven.slopes, *[(0.0, 0.0)] * n)[: n + 1]
+    shares = (*proven.sensitivities, *[0.0] * n)[:n]
+    gap = max(duration / lower - 1.0, 0.0)
+    return Certificate(duration, lower, gap, shares, slopes, rtol, proven.proof)
+
+
+def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Proven:
+    """Return what a search proves, of fewer derivatives where the highest ones spoil it."""
     n, best = limits.order, None
     for order in range(n, 1, -1):
         below = limits if order == n else truncated(limits, order)
@@ -213,27 +269,23 @@ def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Cer
             (float(state[0]), *(0.0 if rests else float(x) for x in state[1:order]))
             for state in (move.start_state, move.end_state)
         )
-        found = _of_plan(move.duration, planned(start, end, below), rtol, n)
+        found = _searched(move.duration, planned(start, end, below), rtol)
         best = found if best is None or found.lower_bound > best.lower_bound else best
-        if best.reached:
+        if move.duration <= best.lower_bound * (1.0 + rtol):
             break
     assert best is not None
-    return best
+    return Proven(best.lower_bound, best.sensitivities, best.slopes, best.proof)
 
 
-def _of_plan(duration: float, plan: Plan, rtol: float, order: int) -> Certificate:
+def _searched(duration: float, plan: Plan, rtol: float) -> Plan:
+    """Return a plan searched for long enough to prove what there is to prove."""
     for target in _TARGETS:
         if duration <= plan.lower_bound * (1.0 + rtol) or plan.search.gap <= target * rtol:
             break
         if duration > plan.lower_bound * (1.0 + plan.search.gap) * (1.0 + rtol):
             break  # it is the motion that is slow
         plan = plan.refined(target * rtol)
-    lower = plan.lower_bound
-    if not 0.0 < lower <= duration * (1.0 + _AT_REST):
-        gap = inf if duration > 0.0 else 0.0
-        return Certificate(duration, 0.0, gap, (0.0,) * order, rtol)
-    shares = (*plan.sensitivities[1:], *[0.0] * order)[:order]
-    return Certificate(duration, lower, max(duration / lower - 1.0, 0.0), shares, rtol, plan.proof)
+    return plan
 
 
 def _at_rest(trajectory: Trajectory, order: int) -> bool:
@@ -272,81 +324,3 @@ def _lowest_jump(trajectory: Trajectory) -> int:
         if jumps[k] > _AT_REST * trajectory.peak(k):
             return k
     return trajectory.order
-
-
-def _bounds(
-    trajectory: Trajectory, distance: float, limits: Limits, rtol: float
-) -> tuple[float, FloatArray]:
-    """Return the best lower bound found and the terms c_k·L_k·(T/2)^k, index k, that make it."""
-    alone = spline_durations(distance, limits)  # each bound by itself
-    lower = float(alone.max()) * (1.0 - _ROUNDING)
-    terms = np.eye(limits.order + 1)[alone.argmax()] if lower > 0.0 else 0.0 * alone
-    target = rtol if limits.order > 3 else min(rtol, _LOW_ORDER_TARGET)
-    order = _two_sided(limits)
-    aim = _NEXT_TO_NOTHING * target
-    while order > 1 and trajectory.duration > lower * (1.0 + target):
-        limits = truncated(limits, order)
-        order = lower_order(limits)
-        if order and relative_width(limits, order, trajectory.duration) <= aim:
-            continue
-        found, better, fastest = _programmed(trajectory, distance, limits, lower, target)
-        if found > lower:
-            lower, terms[:] = found, 0.0
-            terms[: len(better)] = better
-        gap = trajectory.duration / lower - 1.0
-        if not order or relative_width(limits, order, trajectory.duration) > gap:
-            break
-        if fastest / lower - 1.0 <= _NEXT_TO_NOTHING * gap:
-            break  # nor can fewer bounds prove more than what `fastest` takes
-    return lower, terms
-
-
-def _programmed(
-    trajectory: Trajectory, distance: float, limits: Limits, lower: float, target: float
-) -> tuple[float, FloatArray, float]:
-    """Return the best bound that linear programs lead to, its terms, and the fastest motion known.
-
-    `lower` is a bound already.
-    """
-    closed = closed_form_move(distance, limits)
-    motion: Trajectory = trajectory
-    same_order = trajectory.order == limits.order
-    if not (same_order and trajectory.duration < closed.duration * (1.0 - _AT_REST)):
-        motion = improved(closed, limits) or closed
-    shorter = without_cruise(closed, limits, _LONG)
-    if shorter is not None and shorter.duration > lower:
-        shorter = None  # the cruise must be known to begin before the end
-    base = closed if shorter is None else shorter
-    covered = float(base.end_state[0])
-    problem = HalfProblem.make(covered, limits, base, relaxed=True)
-    reached = [
-        motion.peak(k) * (0.5 * base.duration) ** k / covered for k in range(len(problem.peaks))
-    ]
-    problem = replace(problem.reaching(np.array(reached)), cruising=shorter is not None)
-    unit = base.duration * (1.0 - _ROUNDING)
-    search = BoundSearch(
-        problem,
-        motion,
-        lower / unit,
-        distance=0.5 if shorter is None else 0.5 * distance / covered,
-        span=0.5 * (motion.duration if shorter is None else unit),
-    )
-    with np.errstate(all="ignore"):
-        nodes = graded_mesh(shorter or motion, _CELLS)
-        nodes = with_touches(nodes, motion, problem.relevant(), search.span)
-        fastest = min(trajectory.duration, motion.duration)
-        search.run(nodes, fastest / unit, target)
-    return search.best * unit if search.terms.any() else lower, search.terms, fastest
-
-
-def _two_sided(limits: Limits) -> int:
-    """Return the highest derivative that a program is tried for and is bounded both ways, or 0."""
-    finite = np.isfinite(limits.lower) & np.isfinite(limits.upper)
-    orders = np.flatnonzero(finite[:MAX_OPTIMAL_ORDER]) + 1
-    return int(orders[-1]) if orders.size else 0
-
-
-def _sensitivities(terms: FloatArray, limits: Limits) -> tuple[float, ...]:
-    """Return dT/dL_k·L_k/T from R/2 = Σ_k terms[k], of degree k in T each."""
-    k = np.arange(limits.order + 1)
-    return tuple((0.0 - terms / (k * terms).sum())[1:].tolist())

@@ -17,11 +17,11 @@ import numpy as np
 from ..closed_moves import closed_form_move
 from ..limits import Limits
 from ..pieces import FloatArray, evaluate
-from ..rise import spline_divisor
 from ..trajectory import Trajectory
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
 from .mesh import graded_mesh, split_losses, split_sudden, split_switches
+from .quick_bounds import least_duration, spline_durations
 from .smoothing import averaged_half, averaging_width, lower_order, relative_width, truncated
 
 MAX_OPTIMAL_ORDER = 10
@@ -49,7 +49,7 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
     move = improved(closed, limits)
     if move is not None:
         return move
-    lost = _most_lost(closed, limits)
+    lost = closed.duration / least_duration(float(closed.end_state[0]), limits) - 1.0
     if lost <= _NEAR:
         return closed
     reason = (
@@ -67,15 +67,6 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
     return closed
 
 
-def _most_lost(closed: Trajectory, limits: Limits) -> float:
-    """Return how much longer it takes than under the bounds up to jerk, whose minimum is known."""
-    low = [k for k in range(1, 4) if limits.bounds(k)[1] < np.inf]
-    if not low or not all(np.isfinite(limits.bounds(low[-1]))):
-        return np.inf
-    fastest = closed_form_move(float(closed.end_state[0]), truncated(limits, low[-1]))
-    return closed.duration / fastest.duration - 1.0
-
-
 def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
     """Return a faster move than a closed form in positive direction, or that where none is.
 
@@ -90,21 +81,6 @@ def improved(closed: Trajectory, limits: Limits) -> Trajectory | None:
     if move is None or move.duration < closed.duration * (1.0 - _NEGLIGIBLE):
         return move
     return closed
-
-
-def spline_durations(distance: float, limits: Limits) -> FloatArray:
-    """Return how long a move takes at least by the bound on each derivative alone, index k.
-
-    The perfect spline's duration, zero where there is no bound. Of even derivatives the mean of
-    both directions counts, which any move made odd about its middle keeps.
-    """
-    durations = np.zeros(limits.order + 1)
-    for k in range(1, limits.order + 1):
-        low, high = limits.bounds(k)
-        bound = 0.5 * (high - low) if k % 2 == 0 else high if k == 1 else max(-low, high)
-        if np.isfinite(bound):
-            durations[k] = (distance / bound * spline_divisor(k)) ** (1.0 / k)
-    return durations
 
 
 def _is_single_spline(closed: Trajectory, limits: Limits) -> bool:

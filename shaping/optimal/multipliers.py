@@ -66,6 +66,12 @@ class Multipliers:
         steps = n * (count + 8) + _OPERATIONS
         return q, size.sum(axis=0) * (steps * np.finfo(np.longdouble).eps)
 
+    def merged(self, parts: int) -> Multipliers:
+        """Return the same on cells each of which was cut into `parts`, densities linear on it."""
+        every = slice(None, None, parts)
+        cells = np.add.reduceat(self.cells, np.arange(0, len(self.cells), parts))
+        return Multipliers(cells, self.ends, self.atoms[:, every], self.densities[:, every])
+
     def sizes(self, k: int, parts: int) -> FloatArray:
         """Return about how much of μ_k there is around every `parts`-th node."""
         halves = np.concatenate([[0.0], 0.5 * self.cells, [0.0]])

@@ -20,11 +20,12 @@ def of_order_one(trajectory: Trajectory, limits: Limits) -> tuple[Trajectory, Li
     low, high = trajectory.extremes(0)
     time, length = frexp(trajectory.duration)[1], frexp(high - low)[1]
     units = MoveUnits(np.array(-time), np.array(-length))
-    pairs = [
+    position, *pairs = (
         (_bound(units, low, k), _bound(units, high, k))
-        for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True), start=1)
-    ]
-    return units.trajectory(trajectory), Limits.from_bounds(pairs), time
+        for k, (low, high) in enumerate(map(limits.bounds, range(limits.order + 1)))
+    )
+    within = position if limits.bounds_position else None
+    return units.trajectory(trajectory), Limits.from_bounds(pairs, position=within), time
 
 
 def _bound(units: MoveUnits, bound: float, k: int) -> float:

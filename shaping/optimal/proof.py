@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 Numbers = tuple[float, ...]
+Slopes = tuple[tuple[float, float], ...]
+"""dT/d(lower bound), dT/d(upper bound) of position and derivatives 1 … n."""
 
 _FORMAT = "jounce minimum-time proof, 1"
 
@@ -35,7 +37,7 @@ class CostateLink:
     ----------
     low, high : float
     cells : tuple of N floats
-        Lengths of the grid's cells; they are taken to add up to 1.
+        Lengths of the grid's cells; their sum stands for the duration.
     ends : tuple of n floats
         λ_k.
     atoms : tuple of (k, N floats)
@@ -56,7 +58,32 @@ class CostateLink:
     free: str = ""
 
 
-Link = TaylorLink | CostateLink
+@dataclass(frozen=True)
+class MirroredLink:
+    """Durations up to high are impossible by multipliers of the first half, from rest to rest.
+
+    In the second half p_k(1 − τ) = (−1)^k·p_k(τ), and so μ_k(1 − τ) = (−1)^(k+1)·μ_k(τ).
+
+    Attributes
+    ----------
+    low, high : float
+    cells, ends, atoms, densities
+        As in `CostateLink`, of the first half and in time units of its own; ends are p_k at its
+        end, zero for odd k.
+    cruise : float
+        Time between the halves, in which μ_1 = −p_0 and all other p_k are zero.
+    """
+
+    low: float
+    high: float
+    cells: Numbers
+    ends: Numbers
+    atoms: tuple[tuple[int, Numbers], ...]
+    densities: tuple[tuple[int, tuple[Numbers, ...]], ...]
+    cruise: float = 0.0
+
+
+Link = TaylorLink | CostateLink | MirroredLink
 
 
 @dataclass(frozen=True)
@@ -119,20 +146,30 @@ class Proof:
         Path(path).write_text(self.text(), encoding="utf-8")
 
 
+@dataclass(frozen=True)
+class Proven:
+    """A lower bound on a duration, what it hangs on (see `Certificate`), and its proof."""
+
+    lower_bound: float
+    sensitivities: Numbers
+    slopes: Slopes
+    proof: Proof
+
+
 def _link(data: dict[str, Any]) -> Link:
     kind = data.pop("kind")
     high = inf if data["high"] is None else data["high"]
     if kind == "TaylorLink":
         return TaylorLink(**{**data, "high": high})
-    return CostateLink(
-        data["low"],
-        high,
+    multipliers = (
         _numbers(data["cells"], inf),
         _numbers(data["ends"], inf),
         tuple((k, _numbers(row, inf)) for k, row in data["atoms"]),
         tuple((k, tuple(_numbers(row, inf) for row in rows)) for k, rows in data["densities"]),
-        data["free"],
     )
+    if kind == "MirroredLink":
+        return MirroredLink(data["low"], high, *multipliers, data["cruise"])
+    return CostateLink(data["low"], high, *multipliers, data["free"])
 
 
 def _numbers(values: list[float | None], missing: float) -> Numbers:

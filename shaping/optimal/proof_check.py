@@ -8,21 +8,24 @@ For multipliers λ_k and μ_k on [0, 1] every motion of duration T has, with z_k
 so that none within the bounds takes a T at which c(T) > 0,
 
     c(T) = Σ_k T^k·[λ_k b_k + lo_k·|μ_k⁺| − hi_k·|μ_k⁻| − p_k(0)·a_k] − T^n·[hi_n ∫p⁺ − lo_n ∫p⁻].
+
+On a grid of length W instead of 1 it is T/W that is raised to powers.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, zip_longest
-from math import comb, factorial, inf
+from math import comb, factorial, inf, lcm
 
-from .proof import CostateLink, Proof, TaylorLink
+from .proof import CostateLink, Link, MirroredLink, Proof, TaylorLink
 
 Row = list[Fraction]
 
 _HALVINGS = 26  # of a cell on which p changes its sign
 _DEPTH = 80  # halvings of an interval of durations
-_UNDECIDED = Fraction(1, 10**13)  # of ∫|p|: what is left uncertain about the sign of p
+_UNDECIDED = 10**13  # ∫|p| over this is what may be left uncertain about the sign of p
 
 
 def holds(proof: Proof) -> bool:
@@ -40,12 +43,14 @@ def holds(proof: Proof) -> bool:
     return proof.lower_bound < inf and reached >= Fraction(proof.lower_bound)
 
 
-def _excludes(proof: Proof, link: TaylorLink | CostateLink) -> bool:
+def _excludes(proof: Proof, link: Link) -> bool:
     """Tell whether no motion takes a time between the link's."""
     if isinstance(link, TaylorLink):
         polynomial = _taylor(proof, link)
         while polynomial and link.low == 0.0 and polynomial[0] == 0:
             polynomial = polynomial[1:]  # T > 0
+    elif isinstance(link, MirroredLink):
+        polynomial = _mirrored_polynomial(proof, link)
     elif link.free:
         if any(link.ends) or link.free not in ("start", "end") or link.high != inf:
             return False
@@ -91,30 +96,83 @@ def _reversed(proof: Proof) -> Proof:
 
 def _costate_polynomial(proof: Proof, link: CostateLink) -> Row:
     """Return the coefficients of c(T); none where the multipliers use a bound that is not there."""
-    n, count = len(proof.start), len(link.cells)
+    held = _held(link, len(proof.start))
+    if held is None:
+        return []
+    states = [
+        Fraction(final) * Fraction(end) - first * Fraction(start)
+        for final, end, first, start in zip(
+            link.ends, proof.end, held.first, proof.start, strict=True
+        )
+    ]
+    return _polynomial(proof, held, states)
+
+
+def _mirrored_polynomial(proof: Proof, link: MirroredLink) -> Row:
+    """Return the coefficients of c(T) of both halves and the cruise between them."""
+    held, cruise = _held(link, len(proof.start)), Fraction(link.cruise)
+    if held is None or held.up[0] or held.down[0] or cruise < 0:
+        return []
+    meets = any(link.ends[1:] if cruise else link.ends[1::2])
+    if meets or any((*proof.start[1:], *proof.end[1:])):
+        return []
+    both = [
+        (up + up, down + down) if k % 2 else (up + down, down + up)
+        for k, (up, down) in enumerate(zip(held.up, held.down, strict=True))
+    ]
+    up, down = map(list, zip(*both, strict=True))
+    (up if link.ends[0] < 0.0 else down)[1] += abs(Fraction(link.ends[0])) * cruise
+    whole = _Held(up, down, [], 2 * held.length + cruise)
+    distance = Fraction(proof.end[0]) - Fraction(proof.start[0])
+    return _polynomial(proof, whole, [Fraction(link.ends[0]) * distance])
+
+
+@dataclass(frozen=True)
+class _Held:
+    """What multipliers on a grid of some length add up to.
+
+    up, down : |μ_k⁺| and |μ_k⁻|, at index n ∫p⁻ and ∫p⁺: what lo_k and −hi_k are worth.
+    first : p_k at the grid's start.
+    """
+
+    up: Row
+    down: Row
+    first: Row
+    length: Fraction
+
+
+def _held(link: CostateLink | MirroredLink, n: int) -> _Held | None:
+    """Return the sums; None where the rows do not fit."""
+    count = len(link.cells)
     atoms = {k: list(map(Fraction, row)) for k, row in link.atoms}
     densities = {k: [list(map(Fraction, row)) for row in rows] for k, rows in link.densities}
     sizes = {len(row) for rows in (*densities.values(), list(atoms.values())) for row in rows}
     if sizes - {count} or len(link.ends) != n or not all(h > 0.0 for h in link.cells):
-        return []
+        return None
     cells = list(map(Fraction, link.cells))
-    whole = sum(cells)
-    cells = [h / whole for h in cells]
-    total = [Fraction(0)] * (n + 1)
+    sums: list[tuple[Fraction, Fraction]] = []
+    first: Row = []
     below: list[Row] = [[] for _ in cells]
-    for k in range(n):
-        mass_up, mass_down = _masses(cells, atoms.get(k, []), densities.get(k, []))
-        for mass, bound in ((mass_up, proof.lower[k]), (mass_down, -proof.upper[k])):
+    for k, final in enumerate(link.ends):
+        sums.append(_masses(cells, atoms.get(k, []), densities.get(k, [])))
+        slopes = [_sum(below[i], [row[i] for row in densities.get(k, [])]) for i in range(count)]
+        jumps = atoms.get(k, [Fraction(0)] * count)
+        below = _integrated(slopes, cells, jumps, Fraction(final))
+        first.append(below[0][0])
+    sums.append(_areas(below, cells)[::-1])
+    up, down = map(list, zip(*sums, strict=True))
+    return _Held(up, down, first, _total(cells))
+
+
+def _polynomial(proof: Proof, held: _Held, states: Row) -> Row:
+    """Return c(T), the grid's length standing for T; none where a bound is not there."""
+    total = states + [Fraction(0)] * (len(held.up) - len(states))
+    for k, (up, down) in enumerate(zip(held.up, held.down, strict=True)):
+        for mass, bound in ((up, proof.lower[k]), (down, -proof.upper[k])):
             if mass and bound == -inf:
                 return []
             total[k] += mass * Fraction(bound) if mass else 0
-        final = Fraction(link.ends[k])
-        slopes = [_sum(below[i], [row[i] for row in densities.get(k, [])]) for i in range(count)]
-        below = _integrated(slopes, cells, atoms.get(k, [Fraction(0)] * count), final)
-        total[k] += final * Fraction(proof.end[k]) - below[0][0] * Fraction(proof.start[k])
-    up, down = _areas(below, cells)
-    total[n] -= Fraction(proof.upper[n]) * up - Fraction(proof.lower[n]) * down
-    return total
+    return [value / held.length**k for k, value in enumerate(total)]
 
 
 def _masses(cells: Row, atoms: Row, densities: list[Row]) -> tuple[Fraction, Fraction]:
@@ -164,30 +222,38 @@ def _integrated(slopes: list[Row], cells: Row, atoms: Row, final: Fraction) -> l
 
 def _areas(rows: list[Row], cells: Row) -> tuple[Fraction, Fraction]:
     """Return upper bounds on ∫p⁺ and ∫p⁻."""
-    pending: list[tuple[Row, int]] = [
-        ([value * h / len(row) for value in row], 0) for row, h in zip(rows, cells, strict=True)
-    ]
-    whole = sum((abs(_total(piece)) for piece, _ in pending), Fraction(0))
-    enough = _UNDECIDED * whole / max(len(pending), 1)
+    pieces, unit = _whole(
+        [[v * h / len(row) for v in row] for row, h in zip(rows, cells, strict=True)]
+    )
+    whole = sum(abs(sum(piece)) for piece in pieces)
+    enough = Fraction(whole, len(pieces) * _UNDECIDED)
     up = down = Fraction(0)
+    pending = [(piece, 0, 0) for piece in pieces]  # times 2^shift
     while pending:
-        piece, depth = pending.pop()
-        above = sum((value for value in piece if value > 0), Fraction(0))
-        beneath = above - _total(piece)
-        if min(above, beneath) <= enough or depth == _HALVINGS:
-            up, down = up + above, down + beneath
+        piece, shift, depth = pending.pop()
+        above = sum(value for value in piece if value > 0)
+        beneath = above - sum(piece)
+        if min(above, beneath) <= enough * (1 << shift) or depth == _HALVINGS:
+            scale = unit << shift
+            up, down = up + Fraction(above, scale), down + Fraction(beneath, scale)
         else:
-            pending += [([value / 2 for value in half], depth + 1) for half in _halves(piece)]
+            pending += [(half, shift + len(piece), depth + 1) for half in _halves(piece)]
     return up, down
 
 
-def _halves(row: Row) -> tuple[Row, Row]:
-    """Return the Bernstein coefficients on both halves of an interval (de Casteljau)."""
+def _whole(rows: list[Row]) -> tuple[list[list[int]], int]:
+    """Return rows over one denominator, and that."""
+    unit = lcm(*(value.denominator for row in rows for value in row))
+    return [[value.numerator * (unit // value.denominator) for value in row] for row in rows], unit
+
+
+def _halves(row: list[int]) -> tuple[list[int], list[int]]:
+    """Return the Bernstein coefficients on both halves of an interval times 2^d (de Casteljau)."""
     left, right = [], []
     while row:
-        left.append(row[0])
-        right.append(row[-1])
-        row = [(a + b) / 2 for a, b in pairwise(row)]
+        left.append(row[0] << len(row) - 1)
+        right.append(row[-1] << len(row) - 1)
+        row = [a + b for a, b in pairwise(row)]
     return left, right[::-1]
 
 
@@ -205,7 +271,7 @@ def _positive(polynomial: Row, low: Fraction, high: Fraction) -> bool:
         _total([Fraction(comb(j, i), comb(d, i)) * taylor[i] for i in range(j + 1)])
         for j in range(d + 1)
     ]
-    pending = [(first, 0)]
+    pending = [(row, 0) for row in _whole([first])[0]]
     while pending:
         row, depth = pending.pop()
         if min(row) > 0:

@@ -101,8 +101,8 @@ def check_orders(limits: Limits) -> None:
     n = limits.order
     if n not in (2, 3):
         raise ValueError(
-            f"limits of order {n}: expected order 2 (acceleration) or 3 (jerk) for a motion from "
-            "any state; min_time_move plans from rest to rest at other orders"
+            f"limits of order {n}: expected order 2 (acceleration) or 3 (jerk) here; at orders up "
+            "to 10 min_time_transfer plans one motion at a time"
         )
     check_both_sides(limits)
     check_plain(limits)

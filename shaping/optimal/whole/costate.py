@@ -112,19 +112,15 @@ class Multipliers:
         sizes[n] += costate.sizes[-1] * (problem.upper[n] - problem.lower[n])
         return np.asarray(terms.sum(axis=0) - _MARGIN * sizes)
 
-    def worth(self, problem: WholeProblem, time: float) -> FloatArray:
-        """Return dT/dL_k·L_k/T of the root T of c(T), k = 0 … n, both sides changed alike."""
+    def slopes(self, problem: WholeProblem, time: float) -> FloatArray:
+        """Return dT/dlo_k and dT/dhi_k of the root T of c(T), (2, n + 1)."""
         n, costate = problem.order, self.costate()
-        positive, negative = self.masses()
-        paid = np.zeros(n + 1)
-        for k in range(n):
-            paid[k] += positive[k] * problem.lower[k] if positive[k] else 0.0
-            paid[k] -= negative[k] * problem.upper[k] if negative[k] else 0.0
-        up, down = costate.positive.sum(), costate.negative.sum()
-        paid[n] = problem.lower[n] * down - problem.upper[n] * up
+        masses = np.zeros((2, n + 1))
+        masses[:, :n] = self.masses()
+        masses[:, n] = costate.negative.sum(), costate.positive.sum()
         powers = time ** np.arange(n + 1)
-        slope = float((np.arange(n + 1) * self.polynomial(problem, costate)) @ powers)
-        return np.asarray(-paid * powers / slope if slope else 0.0 * paid)
+        slope = float(np.arange(n + 1) @ (self.polynomial(problem, costate) * powers)) / time
+        return masses * [[-1.0], [1.0]] * powers / slope
 
 
 def _sum(left: RealArray, right: RealArray) -> RealArray:

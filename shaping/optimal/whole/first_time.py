@@ -70,3 +70,15 @@ def taylor_polynomial(
         polynomial[q - k] -= sign * problem.start[q] / factorial(q - k)
     polynomial[m - k] -= bound / factorial(m - k)
     return polynomial
+
+
+def taylor_slopes(problem: WholeProblem, link: TaylorLink) -> FloatArray:
+    """Return dT/dlo_k and dT/dhi_k of the time T that a link leads to, (2, n + 1)."""
+    found = np.zeros((2, problem.order + 1))
+    polynomial = taylor_polynomial(problem, link.derivative, link.remainder, link.sign)
+    assert polynomial is not None
+    d, degrees = link.remainder - link.derivative, np.arange(len(polynomial))
+    slope = float(degrees @ (polynomial * link.high**degrees)) / link.high
+    side = int(link.sign > 0)
+    found[side, link.remainder] = link.sign * link.high**d / (factorial(d) * slope)
+    return found

@@ -111,6 +111,7 @@ def impossible(plan: Plan) -> InfeasibleError:
             name,
             None,
         )
+    assert isinstance(link, CostateLink)
     k, sign, share = _violated(plan, link)
     name, highest = derivative_name(k), derivative_name(plan.problem.order)
     bound = _side(plan, k, sign)

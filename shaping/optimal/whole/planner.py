@@ -11,11 +11,12 @@ import numpy as np
 
 from ...checks import range_error
 from ...limits import Limits
+from ...pieces import FloatArray
 from ...trajectory import Trajectory
-from ..proof import CostateLink, Link, Proof, TaylorLink
+from ..proof import CostateLink, Link, Proof, Slopes, TaylorLink
 from . import search as searching
 from .costate import Multipliers
-from .first_time import taylor_chain
+from .first_time import taylor_chain, taylor_slopes
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
@@ -86,13 +87,33 @@ class Plan:
         return Proof(start, end, lower, upper, tuple(links), self.lower_bound)
 
     @property
+    def slopes(self) -> Slopes:
+        """dT/d(lower bound), dT/d(upper bound) by the last link, position first; or zeros."""
+        found = self._slopes()
+        if self.problem.backward:
+            found = -found[::-1]
+        powers = self.time - self.length + self.time * np.arange(found.shape[1])
+        with np.errstate(over="ignore", under="ignore"):
+            found = np.ldexp(found, powers)
+        return tuple((low, high) for low, high in (found.T + 0.0).tolist())
+
+    @property
     def sensitivities(self) -> Numbers:
-        """dT/dL_k·L_k/T of the lower bound, position first, by the last multipliers; or zeros."""
-        link = self.search.chain[-1] if self.search.chain else None
-        if link is None or isinstance(link, TaylorLink):
-            return (0.0,) * (self.problem.order + 1)
-        worth = link.multipliers.worth(self.search.problem, self.search.lower)
-        return tuple((worth + 0.0).tolist())
+        """dT/dL_k·L_k/T by the last link, velocity first, both sides changed alike."""
+        found, problem = self._slopes(), self.search.problem
+        bounds = np.where(found == 0.0, 0.0, [problem.lower, problem.upper])
+        shares = (found * bounds).sum(axis=0)[1:] / self.search.lower
+        return tuple((shares + 0.0).tolist())
+
+    def _slopes(self) -> FloatArray:
+        """Return both rows of slopes in the search's units."""
+        search = self.search
+        link = search.chain[-1] if search.chain else None
+        if isinstance(link, TaylorLink):
+            return taylor_slopes(search.problem, link)
+        if link is None:
+            return np.zeros((2, search.problem.order + 1))
+        return link.multipliers.slopes(search.problem, search.lower)
 
     def refined(self, rtol: float) -> Plan:
         """Return the plan after a longer search."""

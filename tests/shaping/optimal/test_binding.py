@@ -73,3 +73,31 @@ def test_arguments_of_another_kind_are_refused(change, message):
     given = {"trajectory": min_time_move(1.0, limits), "limits": limits, **change}
     with pytest.raises(TypeError, match=message):
         binding_limits(**given)
+
+
+def test_position_counts_where_it_is_bounded():
+    """On a wall that it stands at, and not before; whatever the positions count from."""
+    for shift in (0.0, 1e6):
+        wall = Limits(2.0, 10.0, 100.0, position=(shift - 1.0, shift + 1.0))
+        move = min_time_move(1.0, wall, start=shift)
+        there = move.until(move.duration + 0.5)
+        held = binding_limits(there, wall)
+        assert held[-1] == (0,)
+        assert all(0 not in derivatives for derivatives in held[:-1])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_bound_of_zero_is_met_by_what_stays_zero(sign):
+    pairs = [(0.0, 2.0), (-10.0, 10.0), (-100.0, 100.0)]
+    limits = Limits.from_bounds([tuple(sorted((sign * a, sign * b))) for a, b in pairs])
+    move = min_time_move(sign, limits)
+    assert binding_limits(move.until(move.duration + 0.5), limits) == (
+        (3,),
+        (2,),
+        (3,),
+        (1,),
+        (3,),
+        (2,),
+        (3,),
+        (1,),
+    )
