@@ -10,6 +10,7 @@ from functools import lru_cache
 from math import comb, factorial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...pieces import INVERSE_FACTORIALS, FloatArray
 
@@ -42,11 +43,11 @@ def fine_edges(nodes: FloatArray, parts: int) -> FloatArray:
     return np.interp(at, np.arange(len(nodes)), nodes)
 
 
-def merged_parts(maps: FloatArray, parts: int, order: int) -> FloatArray:
-    """Return the maps with one input per cell."""
-    count = maps.shape[2] - order
-    inputs = maps[:, :, :count].reshape(*maps.shape[:2], count // parts, parts).sum(axis=3)
-    return np.concatenate([inputs, maps[:, :, count:]], axis=2)
+def joined_inputs(maps: FloatArray, first: NDArray[np.intp], order: int) -> FloatArray:
+    """Return the maps with one input from each of these on, up to the next."""
+    count = maps.shape[-1] - order
+    inputs = np.add.reduceat(maps[..., :count], first, axis=-1)
+    return np.concatenate([inputs, maps[..., count:]], axis=-1)
 
 
 def functional_rows(
@@ -65,7 +66,10 @@ def functional_rows(
     """
     n, count = len(maps), len(cells)
     powers = cells ** np.arange(n - k)[:, None]
-    rows = np.einsum("qi,ic,icx->qcx", state, powers, maps[k:, :-1], optimize=True)
+    weights = state[:, None, :] * powers.T
+    rows = np.matmul(weights.transpose(1, 0, 2), maps[k:, :-1].transpose(1, 0, 2)).transpose(
+        1, 0, 2
+    )
     parts = own.shape[1]
     each = np.arange(count)
     for p in range(parts):

@@ -8,7 +8,7 @@ is refined.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -20,7 +20,7 @@ from .costate import Costate, Multipliers
 from .dead_end import DeadEnd, dead_end
 from .elastic import Elastic, Found, Rows
 from .first_time import taylor_chain
-from .maps import fine_edges, merged_parts, node_states
+from .maps import fine_edges, joined_inputs, node_states
 from .polynomials import first_root, value
 from .problem import WholeProblem
 from .refining import (
@@ -44,7 +44,7 @@ _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
 _NEARLY = 1e-6  # missing: no more than what roundings of the solver may make
 _WAIT = 3e-8  # of the duration: a step on where the repair fails
-_NEAR = 0.25  # of the range: rows that a program starts with
+_NEAR = 0.12  # of the range: rows that a program starts with
 _DOUBTFUL = 3  # rounds after which, without a motion, start and end are looked at
 _FAR = 3.0  # times the duration that a round starts with: how far it goes without a motion
 _TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
@@ -89,6 +89,7 @@ class Search:
         self.lower = self.chain[-1].high if self.chain else 0.0
         self.best: Repaired | None = None
         self.guide: Sampled | None = None
+        self.relaxed: Sampled | None = None
         self.nodes = np.linspace(0.0, 1.0, _CELLS + 1) if nodes is None else nodes
         self.dead_end: DeadEnd | None = None
         self.rounds = 0
@@ -120,7 +121,7 @@ class Search:
         relaxed = self._exclude(maps, parts, rtol)
         if self.lower == inf or self.gap <= rtol:
             return
-        coarse = merged_parts(maps, parts, n)
+        coarse = joined_inputs(maps, np.arange(0, maps.shape[2] - n, parts), n)
         margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
         if problem.may_hold and self.rounds == 0:
             margin = 0.0  # a bound that is held from start to end leaves no room
@@ -155,7 +156,11 @@ class Search:
         means = MeanRows.make(problem, maps, nodes, parts)
         edges = fine_edges(nodes, parts)
         near = self._near(means.rows, edges)
-        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near)
+        first = self._first_parts(edges, parts)
+        rows = replace(means.rows, matrix=joined_inputs(means.rows.matrix, first, problem.order))
+        ends = joined_inputs(maps[:, -1], first, problem.order)
+        program = Elastic(problem, ends, rows, self._sizes(), near)
+        again = np.diff(np.append(first, len(edges) - 1))
         enough = max(0.02 * rtol, 3e-4 / 10.0**self.rounds)
         last = None
         farthest = _FAR * self.lower if self.best is None else inf
@@ -168,7 +173,9 @@ class Search:
                 return last
             multipliers = means.multipliers(problem, found.ends, found.rows)
             costate = multipliers.costate()
-            last = Relaxed(means, found, costate, Sampled(edges, found.inputs, time))
+            inputs = np.repeat(found.inputs, again)
+            last = Relaxed(means, found, costate, Sampled(edges, inputs, time))
+            self.relaxed = last.motion
             polynomial = multipliers.polynomial(problem, costate)
             if not value(polynomial, time) > 0.0:
                 return last
@@ -178,6 +185,22 @@ class Search:
             if self.lower == inf or self.lower <= time * (1.0 + enough):
                 return last
         return last
+
+    def _first_parts(self, edges: FloatArray, parts: int) -> NDArray[np.intp]:
+        """Return which parts begin an input: only the first of a cell that is at a bound all over.
+
+        So were the last motion and that of the last relaxed program.
+        """
+        every = np.arange(len(edges) - 1)
+        if self.guide is None or self.relaxed is None:
+            return every
+        there, here = (
+            motion.sides(self.problem, edges).reshape(-1, parts)
+            for motion in (self.guide, self.relaxed)
+        )
+        held = (there == here) & (here != 0) & (here == here[:, :1])
+        joined = held.all(axis=1)[:, None] & (np.arange(parts) > 0)
+        return np.asarray(every[~joined.ravel()])
 
     def _approach(self, program: Elastic) -> tuple[Found | None, Sampled | None]:
         """Go on to the first motion that the restricted program has; return the last one near."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pieces import FloatArray
-from ..linear_program import SETTINGS, set_options
+from ..linear_program import loaded
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
@@ -109,26 +109,14 @@ class WarmProgram:
         most: FloatArray,
         settings: dict[str, bool | int | float | str],
     ) -> None:
-        import highspy
-
-        library: Any = highspy  # its stubs leave the class out
-        highs = library._Highs()  # Highs itself prints a banner before it can be told not to
-        set_options(highs, SETTINGS)
-        set_options(highs, settings)
-        matrix = self.matrix[self.rows]
-        rows, columns = matrix.shape
-        set_options(highs, {"simplex_iteration_limit": _ITERATIONS * (rows + columns)})
-        program = highspy.HighsLp()
-        program.num_row_, program.num_col_ = rows, columns
-        program.col_cost_ = self.costs
-        program.col_lower_, program.col_upper_ = least, most
-        program.row_lower_, program.row_upper_ = lower[self.rows], upper[self.rows]
-        program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-        program.a_matrix_.start_ = np.arange(0, rows * columns + 1, columns)
-        program.a_matrix_.index_ = np.tile(np.arange(columns), rows)
-        program.a_matrix_.value_ = matrix.ravel()
-        highs.passModel(program)
-        self._highs = highs
+        size = len(self.rows) + len(self.costs)
+        self._highs = loaded(
+            self.costs,
+            self.matrix[self.rows],
+            (lower[self.rows], upper[self.rows]),
+            (least, most),
+            {"simplex_iteration_limit": _ITERATIONS * size, **settings},
+        )
 
     def _optimum(self) -> Optimum:
         found = self._highs.getSolution()
