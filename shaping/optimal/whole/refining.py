@@ -14,8 +14,8 @@ from .problem import WholeProblem
 from .relaxation import MeanRows
 from .sampled import Sampled, distances
 
-_MOST = 20  # cells refined for each reason
-_SHARE = 0.95  # of what is lost: what the refined cells hold
+_MOST = 12  # cells refined for each reason
+_SHARE = 0.85  # of what is lost: what the refined cells hold
 _ASIDE = 0.08  # of a cell, to both sides of the costate's root
 _BISECTIONS = 12
 _FEW = 1.0  # of the mean loss: cells of equal input that lose less are joined

@@ -14,7 +14,8 @@ from ..linear_program import loaded
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
 _ITERATIONS = 6  # per row and column: more were never of use, the simplex method may cycle
-_OTHER_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
+_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
+    {"simplex_scale_strategy": 0},  # rows and inputs are scaled already
     {"simplex_strategy": 4},
     {"solver": "ipm", "run_crossover": "on"},
 )
@@ -66,13 +67,15 @@ class WarmProgram:
         self, lower: FloatArray, upper: FloatArray, least: FloatArray, most: FloatArray
     ) -> bool:
         if self._highs is None:
-            self._load(lower, upper, least, most, {})
+            self._load(lower, upper, least, most, _WAYS[0])
         else:
             self._move_bounds(lower, upper, least, most)
         self._highs.run()
         if self._solved():
             return True
-        for settings in _OTHER_WAYS:
+        for settings in _WAYS[1:]:
+            if self._infeasible():
+                break
             self._load(lower, upper, least, most, settings)
             self._highs.run()
             if self._solved():
@@ -82,6 +85,9 @@ class WarmProgram:
 
     def _solved(self) -> bool:
         return str(self._highs.getModelStatus()).endswith("kOptimal")
+
+    def _infeasible(self) -> bool:
+        return str(self._highs.getModelStatus()).endswith("kInfeasible")
 
     def _move_bounds(
         self, lower: FloatArray, upper: FloatArray, least: FloatArray, most: FloatArray
