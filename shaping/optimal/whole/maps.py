@@ -10,7 +10,6 @@ from functools import lru_cache
 from math import comb, factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...pieces import INVERSE_FACTORIALS, FloatArray
 
@@ -43,11 +42,11 @@ def fine_edges(nodes: FloatArray, parts: int) -> FloatArray:
     return np.interp(at, np.arange(len(nodes)), nodes)
 
 
-def joined_inputs(maps: FloatArray, first: NDArray[np.intp], order: int) -> FloatArray:
-    """Return the maps with one input from each of these on, up to the next."""
-    count = maps.shape[-1] - order
-    inputs = np.add.reduceat(maps[..., :count], first, axis=-1)
-    return np.concatenate([inputs, maps[..., count:]], axis=-1)
+def merged_parts(maps: FloatArray, parts: int, order: int) -> FloatArray:
+    """Return the maps with one input per cell."""
+    count = maps.shape[2] - order
+    inputs = maps[:, :, :count].reshape(*maps.shape[:2], count // parts, parts).sum(axis=3)
+    return np.concatenate([inputs, maps[:, :, count:]], axis=2)
 
 
 def functional_rows(

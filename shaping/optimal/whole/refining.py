@@ -18,7 +18,7 @@ _MOST = 12  # cells refined for each reason
 _SHARE = 0.85  # of what is lost: what the refined cells hold
 _ASIDE = 0.08  # of a cell, to both sides of the costate's root
 _BISECTIONS = 12
-_FEW = 1.0  # of the mean loss: cells of equal input that lose less are joined
+_FEW = 0.1  # of the mean loss: cells of equal input that lose less are joined
 _LONGEST = 0.5  # cell that is made by joining
 
 

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from ...pieces import FloatArray
 from .problem import WholeProblem
 
-_AT_BOUND = 1e-6  # of the range: an input that is at its bound
-
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
@@ -35,13 +33,6 @@ class Sampled:
         middles = 0.5 * (nodes[1:] + nodes[:-1])
         at = np.searchsorted(self.nodes, middles, side="right") - 1
         return self.inputs[np.clip(at, 0, len(self.inputs) - 1)]
-
-    def sides(self, problem: WholeProblem, nodes: FloatArray) -> NDArray[np.intp]:
-        """Tell which bound the inputs are at on another grid's cells: −1, 1, or 0 for none."""
-        inputs = self.on(nodes) / self.time**problem.order
-        low, high = problem.lower[-1], problem.upper[-1]
-        near = _AT_BOUND * (high - low)
-        return np.asarray((inputs >= high - near).astype(int) - (inputs <= low + near))
 
     def states(self, problem: WholeProblem) -> FloatArray:
         """Return z_k at the nodes, k = 0 … n − 1, shape (n, N + 1)."""

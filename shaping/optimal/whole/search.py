@@ -8,7 +8,7 @@ is refined.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from ...pieces import FloatArray
 from ..proof import TaylorLink
-from .costate import Costate, Multipliers
+from .costate import Multipliers
 from .dead_end import DeadEnd, dead_end
 from .elastic import Elastic, Found, Rows
 from .first_time import taylor_chain
-from .maps import fine_edges, joined_inputs, node_states
+from .maps import fine_edges, merged_parts, node_states
 from .polynomials import first_root, value
 from .problem import WholeProblem
 from .refining import (
@@ -32,9 +32,11 @@ from .refining import (
     worst_cells,
 )
 from .relaxation import MeanRows
+from .relaxed_program import Relaxed, RelaxedProgram
 from .repair import Repaired, repaired
 from .restriction import MARGIN, hull_rows
 from .sampled import Sampled, are_near, first_sizes
+from .warm_program import Effort
 
 _CELLS = 16
 _MOST_CELLS = 180
@@ -50,6 +52,8 @@ _FAR = 3.0  # times the duration that a round starts with: how far it goes witho
 _TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
+_BACK = 1e-5  # of the duration: the first step back to one that a grid excludes
+_STEPS_BACK = 4
 _COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
 
 
@@ -60,16 +64,6 @@ class Link:
     low: float
     high: float
     multipliers: Multipliers
-
-
-@dataclass(frozen=True, eq=False)
-class Relaxed:
-    """The last answer of a round's relaxed program, and the duration that it is about."""
-
-    means: MeanRows
-    found: Found
-    costate: Costate
-    motion: Sampled
 
 
 class Search:
@@ -89,10 +83,10 @@ class Search:
         self.lower = self.chain[-1].high if self.chain else 0.0
         self.best: Repaired | None = None
         self.guide: Sampled | None = None
-        self.relaxed: Sampled | None = None
         self.nodes = np.linspace(0.0, 1.0, _CELLS + 1) if nodes is None else nodes
         self.dead_end: DeadEnd | None = None
         self.rounds = 0
+        self.effort = Effort()
 
     @property
     def gap(self) -> float:
@@ -102,15 +96,17 @@ class Search:
         return max(self.best.time / self.lower - 1.0, 0.0)
 
     def run(self, rtol: float, rounds: int = _ROUNDS) -> None:
-        """Refine until the gap is at most `rtol`, or no more comes of it."""
+        """Refine until the gap is at most `rtol`, no more comes of it, or the effort is spent."""
         first = self.lower
+        self.effort = Effort()
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
             self._round(rtol)
             self.rounds += 1
             if self.rounds <= _DOUBTFUL and self.best is None:
-                self.dead_end = dead_end(self.problem, self.lower)
+                self.dead_end = dead_end(self.problem, self.lower, self.effort)
             stuck = self.best is None and self.lower > _TOO_LONG * first
-            if self.dead_end is not None or stuck or len(self.nodes) > _MOST_CELLS:
+            ended = len(self.nodes) > _MOST_CELLS or self.effort.left <= 0.0
+            if self.dead_end is not None or stuck or ended:
                 return
 
     def _round(self, rtol: float) -> None:
@@ -121,13 +117,15 @@ class Search:
         relaxed = self._exclude(maps, parts, rtol)
         if self.lower == inf or self.gap <= rtol:
             return
-        coarse = joined_inputs(maps, np.arange(0, maps.shape[2] - n, parts), n)
+        coarse = merged_parts(maps, parts, n)
         margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
         if problem.may_hold and self.rounds == 0:
             margin = 0.0  # a bound that is held from start to end leaves no room
         rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
         near = self._near(rows, self.nodes)
-        program = Elastic(problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin)
+        program = Elastic(
+            problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin, effort=self.effort
+        )
         found, motion = self._approach(program)
         reached = found is not None and found.missing <= _NEARLY
         if reached or self.guide is None:
@@ -151,16 +149,11 @@ class Search:
         return are_near(problem, values, rows.derivative, time, self._sizes(), _NEAR)
 
     def _exclude(self, maps: FloatArray, parts: int, rtol: float) -> Relaxed | None:
-        """March from the last duration excluded; return what the last program tells."""
-        problem, nodes = self.problem, self.nodes
-        means = MeanRows.make(problem, maps, nodes, parts)
-        edges = fine_edges(nodes, parts)
-        near = self._near(means.rows, edges)
-        first = self._first_parts(edges, parts)
-        rows = replace(means.rows, matrix=joined_inputs(means.rows.matrix, first, problem.order))
-        ends = joined_inputs(maps[:, -1], first, problem.order)
-        program = Elastic(problem, ends, rows, self._sizes(), near)
-        again = np.diff(np.append(first, len(edges) - 1))
+        """March from the last duration excluded; return what the last program tells.
+
+        Where the grid excludes no more, that is what it tells of a shorter duration.
+        """
+        program = self._relaxed_program(maps, parts)
         enough = max(0.02 * rtol, 3e-4 / 10.0**self.rounds)
         last = None
         farthest = _FAR * self.lower if self.best is None else inf
@@ -168,39 +161,37 @@ class Search:
             time = self.lower
             if farthest < time < inf:
                 return last
-            found = program.solve(time)
-            if found is None:
+            answer = program.solve(time)
+            if answer is None:
                 return last
-            multipliers = means.multipliers(problem, found.ends, found.rows)
-            costate = multipliers.costate()
-            inputs = np.repeat(found.inputs, again)
-            last = Relaxed(means, found, costate, Sampled(edges, inputs, time))
-            self.relaxed = last.motion
-            polynomial = multipliers.polynomial(problem, costate)
-            if not value(polynomial, time) > 0.0:
-                return last
-            self.lower = first_root(polynomial, time)
+            if not value(answer.polynomial, time) > 0.0:
+                return answer if last is not None else self._told_before(program) or answer
+            last = answer
+            self.lower = first_root(answer.polynomial, time)
             if self.lower > time:
-                self.chain.append(Link(time, self.lower, multipliers))
+                self.chain.append(Link(time, self.lower, answer.multipliers))
             if self.lower == inf or self.lower <= time * (1.0 + enough):
                 return last
         return last
 
-    def _first_parts(self, edges: FloatArray, parts: int) -> NDArray[np.intp]:
-        """Return which parts begin an input: only the first of a cell that is at a bound all over.
+    def _relaxed_program(self, maps: FloatArray, parts: int) -> RelaxedProgram:
+        problem, edges = self.problem, fine_edges(self.nodes, parts)
+        means = MeanRows.make(problem, maps, self.nodes, parts)
+        near = self._near(means.rows, edges)
+        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near, effort=self.effort)
+        return RelaxedProgram(program, means, edges)
 
-        So were the last motion and that of the last relaxed program.
-        """
-        every = np.arange(len(edges) - 1)
-        if self.guide is None or self.relaxed is None:
-            return every
-        there, here = (
-            motion.sides(self.problem, edges).reshape(-1, parts)
-            for motion in (self.guide, self.relaxed)
-        )
-        held = (there == here) & (here != 0) & (here == here[:, :1])
-        joined = held.all(axis=1)[:, None] & (np.arange(parts) > 0)
-        return np.asarray(every[~joined.ravel()])
+    def _told_before(self, program: RelaxedProgram) -> Relaxed | None:
+        """Return what a program tells of the first shorter duration that it excludes."""
+        back = min(max(self.gap, _BACK), 0.1)
+        for _ in range(_STEPS_BACK):
+            answer = program.solve(self.lower * (1.0 - back))
+            if answer is None or answer.found.missing > _NEARLY:
+                return answer
+            back *= 4.0
+            if back > 0.5:
+                return None
+        return None
 
     def _approach(self, program: Elastic) -> tuple[Found | None, Sampled | None]:
         """Go on to the first motion that the restricted program has; return the last one near."""

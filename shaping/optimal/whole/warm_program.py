@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pieces import FloatArray
-from ..linear_program import loaded
+from ..linear_program import loaded, set_options
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
@@ -17,8 +17,20 @@ _ITERATIONS = 6  # per row and column: more were never of use, the simplex metho
 _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     {"simplex_scale_strategy": 0},  # rows and inputs are scaled already
     {"simplex_strategy": 4},
-    {"solver": "ipm", "run_crossover": "on"},
+    {},
 )
+_EFFORT = 8e9  # of one search: ten seconds or so
+_OVERHEAD = 20  # iterations that a run is worth before it begins
+
+
+@dataclass(eq=False)
+class Effort:
+    """What is left to be spent on programs: entries of matrices passed over, no seconds.
+
+    So that a search ends with the same on every machine.
+    """
+
+    left: float = _EFFORT
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +52,19 @@ class WarmProgram:
     costs : (N,) array
     used : (m,) array of bool
         The rows to start with; the others count as soon as they are broken.
+    effort : Effort, optional
+        With nothing left of it the solver finds none.
     """
 
-    def __init__(self, matrix: FloatArray, costs: FloatArray, used: NDArray[np.bool_]) -> None:
+    def __init__(
+        self,
+        matrix: FloatArray,
+        costs: FloatArray,
+        used: NDArray[np.bool_],
+        effort: Effort | None = None,
+    ) -> None:
         self.matrix, self.costs = matrix, costs
+        self._effort = effort or Effort()
         self.rows = np.flatnonzero(used)
         self._highs: Any = None
 
@@ -52,7 +73,7 @@ class WarmProgram:
     ) -> Optimum | None:
         """Return the optimum; None where the solver finds none."""
         for _ in range(_PASSES):
-            if not self._run(lower, upper, least, most):
+            if self._effort.left <= 0.0 or not self._run(lower, upper, least, most):
                 return None
             optimum = self._optimum()
             reached = self.matrix @ optimum.columns
@@ -70,24 +91,32 @@ class WarmProgram:
             self._load(lower, upper, least, most, _WAYS[0])
         else:
             self._move_bounds(lower, upper, least, most)
-        self._highs.run()
-        if self._solved():
+        if self._ended_well():
             return True
         for settings in _WAYS[1:]:
-            if self._infeasible():
+            if self._effort.left <= 0.0 or self._ended("kInfeasible"):
                 break
             self._load(lower, upper, least, most, settings)
-            self._highs.run()
-            if self._solved():
+            if self._ended_well():
                 return True
         self._highs = None
         return False
 
-    def _solved(self) -> bool:
-        return str(self._highs.getModelStatus()).endswith("kOptimal")
+    def _ended_well(self) -> bool:
+        """Run; tell whether there are columns within the bounds, and the least cost but for doubt.
 
-    def _infeasible(self) -> bool:
-        return str(self._highs.getModelStatus()).endswith("kInfeasible")
+        What multipliers prove is worked out without the solver.
+        """
+        size = len(self.rows) * len(self.costs)
+        limit = min(_ITERATIONS * (len(self.rows) + len(self.costs)), 1 + self._effort.left / size)
+        set_options(self._highs, {"simplex_iteration_limit": int(limit)})
+        self._highs.run()
+        iterations = max(self._highs.getInfo().simplex_iteration_count, 0)
+        self._effort.left -= (iterations + _OVERHEAD) * size
+        return self._ended("kOptimal") or self._ended("kUnknown")
+
+    def _ended(self, status: str) -> bool:
+        return str(self._highs.getModelStatus()).endswith(status)
 
     def _move_bounds(
         self, lower: FloatArray, upper: FloatArray, least: FloatArray, most: FloatArray
@@ -115,13 +144,12 @@ class WarmProgram:
         most: FloatArray,
         settings: dict[str, bool | int | float | str],
     ) -> None:
-        size = len(self.rows) + len(self.costs)
         self._highs = loaded(
             self.costs,
             self.matrix[self.rows],
             (lower[self.rows], upper[self.rows]),
             (least, most),
-            {"simplex_iteration_limit": _ITERATIONS * size, **settings},
+            settings,
         )
 
     def _optimum(self) -> Optimum:
