@@ -19,6 +19,7 @@ _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     {"simplex_strategy": 4},
     {},
 )
+_COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
 _EFFORT = 8e9  # of one search: ten seconds or so
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
@@ -145,7 +146,7 @@ class WarmProgram:
         settings: dict[str, bool | int | float | str],
     ) -> None:
         self._highs = loaded(
-            self.costs,
+            self.costs * _COSTS,
             self.matrix[self.rows],
             (lower[self.rows], upper[self.rows]),
             (least, most),
@@ -156,5 +157,6 @@ class WarmProgram:
         found = self._highs.getSolution()
         reached = np.array(found.col_value)
         multipliers = np.zeros(len(self.matrix))
-        multipliers[self.rows] = found.row_dual
-        return Optimum(float(self.costs @ reached), reached, multipliers, np.array(found.col_dual))
+        multipliers[self.rows] = np.array(found.row_dual) / _COSTS
+        reduced_costs = np.array(found.col_dual) / _COSTS
+        return Optimum(float(self.costs @ reached), reached, multipliers, reduced_costs)
