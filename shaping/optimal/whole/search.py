@@ -46,6 +46,7 @@ _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
 _NEARLY = 1e-6  # missing: no more than what roundings of the solver may make
 _WAIT = 3e-8  # of the duration: a step on where the repair fails
+_LEAP = 4.0  # times the duration: no step on is longer, as scales are those of the first
 _NEAR = 0.12  # of the range: rows that a program starts with
 _DOUBTFUL = 3  # rounds after which, without a motion, start and end are looked at
 _FAR = 3.0  # times the duration that a round starts with: how far it goes without a motion
@@ -194,19 +195,21 @@ class Search:
         return None
 
     def _approach(self, program: Elastic) -> tuple[Found | None, Sampled | None]:
-        """Go on to the first motion that the restricted program has; return the last one near."""
+        """Go on to the first motion that the restricted program has; return the nearest one."""
         time, motion, found, waited = self.lower, None, None, _WAIT
         for _ in range(_STEPS):
             answer = program.solve(time)
             if answer is None:
                 break
-            found, motion = answer, Sampled(self.nodes, answer.inputs, time)
-            if found.missing <= _FOUND and self._take(motion):
+            here = Sampled(self.nodes, answer.inputs, time)
+            if found is None or answer.missing <= found.missing:
+                found, motion = answer, here
+            if answer.missing <= _FOUND and self._take(here):
                 break
-            later = first_root(found.polynomial, time)
-            if found.missing <= _NEARLY:  # what is left is the solver's
+            later = min(first_root(answer.polynomial, time), _LEAP * time)
+            if answer.missing <= _NEARLY:  # what is left is the solver's
                 later, waited = min(max(later, time * (1.0 + waited)), time * 1.001), 4.0 * waited
-            if later == inf or later <= time:
+            if later <= time:
                 break
             time = later
         return found, motion
