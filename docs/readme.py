@@ -117,6 +117,7 @@ def benchmarks() -> str:
         "evaluation",
         "design",
         "minimum_time",
+        "symmetric_moves",
         "against_peers",
         "moves",
         "transfers",

@@ -58,10 +58,13 @@ def signed_areas(pieces: RealArray) -> tuple[RealArray, RealArray]:
 
 def halved(pieces: RealArray) -> RealArray:
     """Return the forms of both halves of each cell, next to each other, times their length."""
-    left, right = np.empty_like(pieces), np.empty_like(pieces)
     d = len(pieces) - 1
-    row = pieces
-    for i in range(d + 1):
-        left[i], right[d - i] = row[0], row[-1]
-        row = 0.5 * (row[1:] + row[:-1])
-    return np.stack([0.5 * left, 0.5 * right], axis=2).reshape(d + 1, -1)
+    both = (_halves(d) @ pieces).reshape(2, d + 1, -1)
+    return both.transpose(1, 2, 0).reshape(d + 1, -1)
+
+
+@lru_cache(maxsize=64)
+def _halves(d: int) -> RealArray:
+    """Return the matrix to half the coefficients on both halves, left first: exact numbers."""
+    left = np.array([[comb(i, j) / 2.0 ** (i + 1) for j in range(d + 1)] for i in range(d + 1)])
+    return np.concatenate([left, left[::-1, ::-1]]).astype(np.longdouble)

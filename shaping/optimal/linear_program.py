@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from ..pieces import FloatArray
 
 Range = tuple[float, float]
+Sides = tuple[FloatArray, FloatArray]
 
 _TOLERANCE = 1e-9
 _SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
@@ -110,29 +112,50 @@ def _started(
     inputs: Range,
 ) -> Any:
     """Return HiGHS with the program loaded."""
+    limit = min(_ITERATIONS * len(objective), _MOST_ITERATIONS)
+    least, most = (np.full(len(objective), side) for side in inputs)
+    settings = {"simplex_iteration_limit": limit}
+    return loaded(-objective, matrix, (lower, upper), (least, most), settings)
+
+
+def loaded(
+    costs: FloatArray,
+    matrix: FloatArray,
+    rows: Sides,
+    columns: Sides,
+    settings: Mapping[str, bool | int | float | str],
+) -> Any:
+    """Return HiGHS with a program: minimise costs·x, bounds on matrix·x and on x given.
+
+    The arrays go over as they are: an `HighsLp` takes them number by number, for milliseconds.
+    """
     import highspy
 
     library: Any = highspy  # its stubs leave the class out
     highs = library._Highs()  # Highs itself prints a banner before it can be told not to
     set_options(highs, SETTINGS)
-    most = min(_ITERATIONS * len(objective), _MOST_ITERATIONS)
-    set_options(highs, {"simplex_iteration_limit": most})
+    set_options(highs, settings)
     used = np.abs(matrix) > _SMALLEST
-    program = highspy.HighsLp()
-    program.num_row_, program.num_col_ = matrix.shape
-    program.col_cost_ = -objective
-    program.col_lower_ = np.full(len(objective), inputs[0])
-    program.col_upper_ = np.full(len(objective), inputs[1])
-    program.row_lower_, program.row_upper_ = lower, upper
-    program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    program.a_matrix_.start_ = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    program.a_matrix_.index_ = np.nonzero(used)[1]
-    program.a_matrix_.value_ = matrix[used]
-    highs.passModel(program)
+    starts = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    highs.passModel(
+        matrix.shape[1],
+        matrix.shape[0],
+        int(starts[-1]),
+        int(library.MatrixFormat.kRowwise),
+        int(library.ObjSense.kMinimize),
+        0.0,
+        costs,
+        *columns,
+        *rows,
+        starts.astype(np.int32),
+        np.nonzero(used)[1].astype(np.int32),
+        matrix[used],
+        np.zeros(matrix.shape[1], dtype=np.int32),
+    )
     return highs
 
 
-def set_options(highs: Any, settings: dict[str, bool | int | float | str]) -> None:
+def set_options(highs: Any, settings: Mapping[str, bool | int | float | str]) -> None:
     """Set options of HiGHS by name."""
     for name, value in settings.items():
         highs.setOptionValue(name, value)

@@ -13,6 +13,7 @@ from .polynomials import value
 from .problem import WholeProblem
 from .relaxation import MeanRows
 from .sampled import first_sizes
+from .warm_program import Effort
 
 _CELLS = 40
 _PARTS = 2
@@ -38,19 +39,21 @@ class DeadEnd:
     backwards: bool
 
 
-def dead_end(problem: WholeProblem, longest: float) -> DeadEnd | None:
+def dead_end(problem: WholeProblem, longest: float, effort: Effort) -> DeadEnd | None:
     """Return the proof that start or end is one, in up to `longest`; None where none is found."""
     for backwards in (False, True):
         seen = problem.reversed() if backwards else problem
         if not seen.start[1:].any():
             continue  # at rest it can stay
-        found = _leaving(seen, longest)
+        found = _leaving(seen, longest, effort)
         if found is not None:
             return DeadEnd(found[0], found[1], backwards)
     return None
 
 
-def _leaving(problem: WholeProblem, longest: float) -> tuple[float, Multipliers] | None:
+def _leaving(
+    problem: WholeProblem, longest: float, effort: Effort
+) -> tuple[float, Multipliers] | None:
     n, nodes = problem.order, np.linspace(0.0, 1.0, _CELLS + 1)
     maps = node_states(nodes, n, _PARTS)
     means = MeanRows.make(problem, maps, nodes, _PARTS)
@@ -58,7 +61,8 @@ def _leaving(problem: WholeProblem, longest: float) -> tuple[float, Multipliers]
     for halving in range(_HALVINGS):
         time = longest * 0.5**halving
         sizes = first_sizes(problem, time)
-        found = Elastic(problem, maps[:, -1], means.rows, sizes, every, free=True).solve(time)
+        program = Elastic(problem, maps[:, -1], means.rows, sizes, every, free=True, effort=effort)
+        found = program.solve(time)
         if found is None or not found.missing > _CLEARLY:
             continue
         multipliers = means.multipliers(problem, found.ends, found.rows)

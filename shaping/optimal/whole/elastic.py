@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...pieces import FloatArray
 from .problem import WholeProblem
-from .warm_program import WarmProgram
+from .warm_program import Effort, WarmProgram
 
 _WEIGHT = 3.0  # of a derivative's error at the end, position's being 1
 _BROKEN = 100.0  # of what all bounds give way by, where the end is not free
@@ -74,6 +74,8 @@ class Elastic:
         The end is free, and it is the bounds of the rows that give way, all by the same.
     shrink : float
         Of the highest derivative's bounds: what they are tightened by.
+    effort : Effort, optional
+        What may be spent on it.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class Elastic:
         *,
         free: bool = False,
         shrink: float = 0.0,
+        effort: Effort | None = None,
     ) -> None:
         n = problem.order
         self._way = np.zeros(len(rows.derivative))
@@ -113,7 +116,7 @@ class Elastic:
         self._costs = np.concatenate([np.zeros(count), costs])
         self._count = count
         used = np.concatenate([np.ones(len(fixed), dtype=bool), near])
-        self._program = WarmProgram(matrix, self._costs, used)
+        self._program = WarmProgram(matrix, self._costs, used, effort)
         self._path = inputs[self._fixed :]
 
     def solve(self, time: float) -> Found | None:

@@ -65,7 +65,10 @@ def functional_rows(
     """
     n, count = len(maps), len(cells)
     powers = cells ** np.arange(n - k)[:, None]
-    rows = np.einsum("qi,ic,icx->qcx", state, powers, maps[k:, :-1], optimize=True)
+    weights = state[:, None, :] * powers.T
+    rows = np.matmul(weights.transpose(1, 0, 2), maps[k:, :-1].transpose(1, 0, 2)).transpose(
+        1, 0, 2
+    )
     parts = own.shape[1]
     each = np.arange(count)
     for p in range(parts):

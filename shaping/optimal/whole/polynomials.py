@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import comb, inf
 
 import numpy as np
@@ -14,8 +15,10 @@ _ROUNDING = 1e-13  # of the sum of sizes of a polynomial's terms: taken off befo
 
 def value(coefficients: FloatArray, time: float) -> float:
     """Return Σ c_k·T^k."""
-    powers: FloatArray = time ** np.arange(float(len(coefficients)))
-    return float(np.sum(coefficients * powers))
+    total = 0.0
+    for coefficient in reversed(coefficients.tolist()):
+        total = total * time + coefficient
+    return float(total)
 
 
 def first_root(coefficients: FloatArray, after: float, until: float = inf) -> float:
@@ -62,14 +65,19 @@ def is_positive(coefficients: FloatArray, low: float, high: float) -> bool:
 def bernstein_on(coefficients: FloatArray, low: float, high: float) -> tuple[FloatArray, float]:
     """Return the Bernstein coefficients on [low, high], and the size of the terms they sum."""
     d = len(coefficients) - 1
-    taylor = np.zeros(d + 1)
-    width = high - low
-    for i in range(d + 1):
-        taylor[i] = width**i * sum(
-            comb(k, i) * coefficients[k] * low ** (k - i) for k in range(i, d + 1)
-        )
+    basis, shifts, lags = _bases(d)
+    powers = np.arange(d + 1)
+    taylor = (shifts * low**lags) @ coefficients * (high - low) ** powers
+    return basis @ taylor, float(np.sum(np.abs(coefficients) * high**powers))
+
+
+@lru_cache(maxsize=32)
+def _bases(d: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the matrix from powers to Bernstein's, and C(k, i) and k − i of a Taylor shift."""
     basis = np.array([[comb(j, i) / comb(d, i) for i in range(d + 1)] for j in range(d + 1)])
-    return basis @ taylor, float(np.sum(np.abs(coefficients) * high ** np.arange(d + 1)))
+    shifts = np.array([[float(comb(k, i)) for k in range(d + 1)] for i in range(d + 1)])
+    lags = np.array([[float(max(k - i, 0)) for k in range(d + 1)] for i in range(d + 1)])
+    return basis, shifts, lags
 
 
 def _positive_for_ever(coefficients: FloatArray, after: float) -> bool:

@@ -14,11 +14,12 @@ from .problem import WholeProblem
 from .relaxation import MeanRows
 from .sampled import Sampled, distances
 
-_MOST = 20  # cells refined for each reason
-_SHARE = 0.95  # of what is lost: what the refined cells hold
+_MOST = 12  # cells refined for each reason
+_SHARE = 0.85  # of what is lost: what the refined cells hold
 _ASIDE = 0.08  # of a cell, to both sides of the costate's root
-_FEW = 0.2  # of the mean loss: cells of equal input that lose less are joined
-_LONGEST = 0.08  # cell that is made by joining
+_BISECTIONS = 12
+_FEW = 0.1  # of the mean loss: cells of equal input that lose less are joined
+_LONGEST = 0.5  # cell that is made by joining
 
 
 def duality_losses(
@@ -123,7 +124,7 @@ def _root(coefficients: FloatArray) -> float | None:
     low, high, row = 0.0, 1.0, coefficients
     rising = signs[-1] > 0.0
     d = len(row) - 1
-    for _ in range(20):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         at = sum(comb(d, j) * middle**j * (1.0 - middle) ** (d - j) * row[j] for j in range(d + 1))
         low, high = (low, middle) if (at > 0.0) == rising else (middle, high)

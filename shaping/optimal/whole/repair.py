@@ -12,7 +12,7 @@ from ...trajectory import Trajectory
 from .problem import WholeProblem
 from .sampled import Sampled
 
-_SAME = 2e-6  # of the highest bound's range: inputs that are one
+_SAME = (2e-6, 1e-9)  # of the highest bound's range: inputs that are one, and where that is rough
 _CORRECTIONS = 4
 _MISSED = 1e-14  # of each derivative's size: the end state is exact
 _EXCESS = 1e-13  # of a bound's size: rounding
@@ -55,9 +55,14 @@ def repaired(problem: WholeProblem, motion: Sampled) -> Repaired | None:
 
     What the end misses goes into the inputs of all pieces by the least sum of squares.
     """
+    found = (_repaired(problem, motion, same) for same in _SAME)
+    return next((one for one in found if one is not None), None)
+
+
+def _repaired(problem: WholeProblem, motion: Sampled, same: float) -> Repaired | None:
     n, time = problem.order, motion.time
     span = float(problem.upper[-1] - problem.lower[-1])
-    lengths, levels = joined(motion, span * time**n * _SAME)
+    lengths, levels = joined(motion, span * time**n * same)
     durations: RealArray = lengths.astype(np.longdouble) * time
     inputs: RealArray = levels.astype(np.longdouble) / np.longdouble(time) ** n
     sizes = motion.sizes(problem)[:n] / time ** np.arange(n)

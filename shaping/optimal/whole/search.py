@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...pieces import FloatArray
 from ..proof import TaylorLink
-from .costate import Costate, Multipliers
+from .costate import Multipliers
 from .dead_end import DeadEnd, dead_end
 from .elastic import Elastic, Found, Rows
 from .first_time import taylor_chain
@@ -32,9 +32,11 @@ from .refining import (
     worst_cells,
 )
 from .relaxation import MeanRows
+from .relaxed_program import Relaxed, RelaxedProgram
 from .repair import Repaired, repaired
 from .restriction import MARGIN, hull_rows
 from .sampled import Sampled, are_near, first_sizes
+from .warm_program import Effort
 
 _CELLS = 16
 _MOST_CELLS = 180
@@ -44,12 +46,15 @@ _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
 _NEARLY = 1e-6  # missing: no more than what roundings of the solver may make
 _WAIT = 3e-8  # of the duration: a step on where the repair fails
-_NEAR = 0.25  # of the range: rows that a program starts with
+_LEAP = 4.0  # times the duration: no step on is longer, as scales are those of the first
+_NEAR = 0.12  # of the range: rows that a program starts with
 _DOUBTFUL = 3  # rounds after which, without a motion, start and end are looked at
 _FAR = 3.0  # times the duration that a round starts with: how far it goes without a motion
 _TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
+_BACK = 1e-5  # of the duration: the first step back to one that a grid excludes
+_STEPS_BACK = 4
 _COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
 
 
@@ -60,16 +65,6 @@ class Link:
     low: float
     high: float
     multipliers: Multipliers
-
-
-@dataclass(frozen=True, eq=False)
-class Relaxed:
-    """The last answer of a round's relaxed program, and the duration that it is about."""
-
-    means: MeanRows
-    found: Found
-    costate: Costate
-    motion: Sampled
 
 
 class Search:
@@ -92,6 +87,7 @@ class Search:
         self.nodes = np.linspace(0.0, 1.0, _CELLS + 1) if nodes is None else nodes
         self.dead_end: DeadEnd | None = None
         self.rounds = 0
+        self.effort = Effort()
 
     @property
     def gap(self) -> float:
@@ -101,15 +97,17 @@ class Search:
         return max(self.best.time / self.lower - 1.0, 0.0)
 
     def run(self, rtol: float, rounds: int = _ROUNDS) -> None:
-        """Refine until the gap is at most `rtol`, or no more comes of it."""
+        """Refine until the gap is at most `rtol`, no more comes of it, or the effort is spent."""
         first = self.lower
+        self.effort = Effort()
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
             self._round(rtol)
             self.rounds += 1
             if self.rounds <= _DOUBTFUL and self.best is None:
-                self.dead_end = dead_end(self.problem, self.lower)
+                self.dead_end = dead_end(self.problem, self.lower, self.effort)
             stuck = self.best is None and self.lower > _TOO_LONG * first
-            if self.dead_end is not None or stuck or len(self.nodes) > _MOST_CELLS:
+            ended = len(self.nodes) > _MOST_CELLS or self.effort.left <= 0.0
+            if self.dead_end is not None or stuck or ended:
                 return
 
     def _round(self, rtol: float) -> None:
@@ -126,7 +124,9 @@ class Search:
             margin = 0.0  # a bound that is held from start to end leaves no room
         rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
         near = self._near(rows, self.nodes)
-        program = Elastic(problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin)
+        program = Elastic(
+            problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin, effort=self.effort
+        )
         found, motion = self._approach(program)
         reached = found is not None and found.missing <= _NEARLY
         if reached or self.guide is None:
@@ -150,12 +150,11 @@ class Search:
         return are_near(problem, values, rows.derivative, time, self._sizes(), _NEAR)
 
     def _exclude(self, maps: FloatArray, parts: int, rtol: float) -> Relaxed | None:
-        """March from the last duration excluded; return what the last program tells."""
-        problem, nodes = self.problem, self.nodes
-        means = MeanRows.make(problem, maps, nodes, parts)
-        edges = fine_edges(nodes, parts)
-        near = self._near(means.rows, edges)
-        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near)
+        """March from the last duration excluded; return what the last program tells.
+
+        Where the grid excludes no more, that is what it tells of a shorter duration.
+        """
+        program = self._relaxed_program(maps, parts)
         enough = max(0.02 * rtol, 3e-4 / 10.0**self.rounds)
         last = None
         farthest = _FAR * self.lower if self.best is None else inf
@@ -163,36 +162,54 @@ class Search:
             time = self.lower
             if farthest < time < inf:
                 return last
-            found = program.solve(time)
-            if found is None:
+            answer = program.solve(time)
+            if answer is None:
                 return last
-            multipliers = means.multipliers(problem, found.ends, found.rows)
-            costate = multipliers.costate()
-            last = Relaxed(means, found, costate, Sampled(edges, found.inputs, time))
-            polynomial = multipliers.polynomial(problem, costate)
-            if not value(polynomial, time) > 0.0:
-                return last
-            self.lower = first_root(polynomial, time)
+            if not value(answer.polynomial, time) > 0.0:
+                return answer if last is not None else self._told_before(program) or answer
+            last = answer
+            self.lower = first_root(answer.polynomial, time)
             if self.lower > time:
-                self.chain.append(Link(time, self.lower, multipliers))
+                self.chain.append(Link(time, self.lower, answer.multipliers))
             if self.lower == inf or self.lower <= time * (1.0 + enough):
                 return last
         return last
 
+    def _relaxed_program(self, maps: FloatArray, parts: int) -> RelaxedProgram:
+        problem, edges = self.problem, fine_edges(self.nodes, parts)
+        means = MeanRows.make(problem, maps, self.nodes, parts)
+        near = self._near(means.rows, edges)
+        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near, effort=self.effort)
+        return RelaxedProgram(program, means, edges)
+
+    def _told_before(self, program: RelaxedProgram) -> Relaxed | None:
+        """Return what a program tells of the first shorter duration that it excludes."""
+        back = min(max(self.gap, _BACK), 0.1)
+        for _ in range(_STEPS_BACK):
+            answer = program.solve(self.lower * (1.0 - back))
+            if answer is None or answer.found.missing > _NEARLY:
+                return answer
+            back *= 4.0
+            if back > 0.5:
+                return None
+        return None
+
     def _approach(self, program: Elastic) -> tuple[Found | None, Sampled | None]:
-        """Go on to the first motion that the restricted program has; return the last one near."""
+        """Go on to the first motion that the restricted program has; return the nearest one."""
         time, motion, found, waited = self.lower, None, None, _WAIT
         for _ in range(_STEPS):
             answer = program.solve(time)
             if answer is None:
                 break
-            found, motion = answer, Sampled(self.nodes, answer.inputs, time)
-            if found.missing <= _FOUND and self._take(motion):
+            here = Sampled(self.nodes, answer.inputs, time)
+            if found is None or answer.missing <= found.missing:
+                found, motion = answer, here
+            if answer.missing <= _FOUND and self._take(here):
                 break
-            later = first_root(found.polynomial, time)
-            if found.missing <= _NEARLY:  # what is left is the solver's
+            later = min(first_root(answer.polynomial, time), _LEAP * time)
+            if answer.missing <= _NEARLY:  # what is left is the solver's
                 later, waited = min(max(later, time * (1.0 + waited)), time * 1.001), 4.0 * waited
-            if later == inf or later <= time:
+            if later <= time:
                 break
             time = later
         return found, motion

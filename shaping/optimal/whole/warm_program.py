@@ -9,15 +9,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pieces import FloatArray
-from ..linear_program import SETTINGS, set_options
+from ..linear_program import loaded, set_options
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
 _ITERATIONS = 6  # per row and column: more were never of use, the simplex method may cycle
-_OTHER_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
+_WAYS: tuple[dict[str, bool | int | float | str], ...] = (
+    {"simplex_scale_strategy": 0},  # rows and inputs are scaled already
     {"simplex_strategy": 4},
-    {"solver": "ipm", "run_crossover": "on"},
+    {},
 )
+_COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
+_EFFORT = 8e9  # of one search: ten seconds or so
+_OVERHEAD = 20  # iterations that a run is worth before it begins
+
+
+@dataclass(eq=False)
+class Effort:
+    """What is left to be spent on programs: entries of matrices passed over, no seconds.
+
+    So that a search ends with the same on every machine.
+    """
+
+    left: float = _EFFORT
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +53,19 @@ class WarmProgram:
     costs : (N,) array
     used : (m,) array of bool
         The rows to start with; the others count as soon as they are broken.
+    effort : Effort, optional
+        With nothing left of it the solver finds none.
     """
 
-    def __init__(self, matrix: FloatArray, costs: FloatArray, used: NDArray[np.bool_]) -> None:
+    def __init__(
+        self,
+        matrix: FloatArray,
+        costs: FloatArray,
+        used: NDArray[np.bool_],
+        effort: Effort | None = None,
+    ) -> None:
         self.matrix, self.costs = matrix, costs
+        self._effort = effort or Effort()
         self.rows = np.flatnonzero(used)
         self._highs: Any = None
 
@@ -51,7 +74,7 @@ class WarmProgram:
     ) -> Optimum | None:
         """Return the optimum; None where the solver finds none."""
         for _ in range(_PASSES):
-            if not self._run(lower, upper, least, most):
+            if self._effort.left <= 0.0 or not self._run(lower, upper, least, most):
                 return None
             optimum = self._optimum()
             reached = self.matrix @ optimum.columns
@@ -66,22 +89,35 @@ class WarmProgram:
         self, lower: FloatArray, upper: FloatArray, least: FloatArray, most: FloatArray
     ) -> bool:
         if self._highs is None:
-            self._load(lower, upper, least, most, {})
+            self._load(lower, upper, least, most, _WAYS[0])
         else:
             self._move_bounds(lower, upper, least, most)
-        self._highs.run()
-        if self._solved():
+        if self._ended_well():
             return True
-        for settings in _OTHER_WAYS:
+        for settings in _WAYS[1:]:
+            if self._effort.left <= 0.0 or self._ended("kInfeasible"):
+                break
             self._load(lower, upper, least, most, settings)
-            self._highs.run()
-            if self._solved():
+            if self._ended_well():
                 return True
         self._highs = None
         return False
 
-    def _solved(self) -> bool:
-        return str(self._highs.getModelStatus()).endswith("kOptimal")
+    def _ended_well(self) -> bool:
+        """Run; tell whether there are columns within the bounds, and the least cost but for doubt.
+
+        What multipliers prove is worked out without the solver.
+        """
+        size = len(self.rows) * len(self.costs)
+        limit = min(_ITERATIONS * (len(self.rows) + len(self.costs)), 1 + self._effort.left / size)
+        set_options(self._highs, {"simplex_iteration_limit": int(limit)})
+        self._highs.run()
+        iterations = max(self._highs.getInfo().simplex_iteration_count, 0)
+        self._effort.left -= (iterations + _OVERHEAD) * size
+        return self._ended("kOptimal") or self._ended("kUnknown")
+
+    def _ended(self, status: str) -> bool:
+        return str(self._highs.getModelStatus()).endswith(status)
 
     def _move_bounds(
         self, lower: FloatArray, upper: FloatArray, least: FloatArray, most: FloatArray
@@ -109,30 +145,18 @@ class WarmProgram:
         most: FloatArray,
         settings: dict[str, bool | int | float | str],
     ) -> None:
-        import highspy
-
-        library: Any = highspy  # its stubs leave the class out
-        highs = library._Highs()  # Highs itself prints a banner before it can be told not to
-        set_options(highs, SETTINGS)
-        set_options(highs, settings)
-        matrix = self.matrix[self.rows]
-        rows, columns = matrix.shape
-        set_options(highs, {"simplex_iteration_limit": _ITERATIONS * (rows + columns)})
-        program = highspy.HighsLp()
-        program.num_row_, program.num_col_ = rows, columns
-        program.col_cost_ = self.costs
-        program.col_lower_, program.col_upper_ = least, most
-        program.row_lower_, program.row_upper_ = lower[self.rows], upper[self.rows]
-        program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-        program.a_matrix_.start_ = np.arange(0, rows * columns + 1, columns)
-        program.a_matrix_.index_ = np.tile(np.arange(columns), rows)
-        program.a_matrix_.value_ = matrix.ravel()
-        highs.passModel(program)
-        self._highs = highs
+        self._highs = loaded(
+            self.costs * _COSTS,
+            self.matrix[self.rows],
+            (lower[self.rows], upper[self.rows]),
+            (least, most),
+            settings,
+        )
 
     def _optimum(self) -> Optimum:
         found = self._highs.getSolution()
         reached = np.array(found.col_value)
         multipliers = np.zeros(len(self.matrix))
-        multipliers[self.rows] = found.row_dual
-        return Optimum(float(self.costs @ reached), reached, multipliers, np.array(found.col_dual))
+        multipliers[self.rows] = np.array(found.row_dual) / _COSTS
+        reduced_costs = np.array(found.col_dual) / _COSTS
+        return Optimum(float(self.costs @ reached), reached, multipliers, reduced_costs)
