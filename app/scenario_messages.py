@@ -118,6 +118,39 @@ shaper = {kind = "ZV", modes = ["tower"], frequency = "6 Hz", damping = "1 %", v
 duration = "2 s"
 round_to = "1 ms"
 minimum_jerk = true
+[moves.disturbances]
+torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
+torque_sine = {amplitude = "1 N m", frequency = "2 Hz", on = "motor"}
+encoder_noise = "10 mas"
+seed = 1
+[moves.disturbances.torque_file]
+path = "torque.csv"
+unit = "N m"
+time = "0"
+torque = "1"
+on = "load"
+[moves.disturbances.torque_spectrum]
+frequencies = ["0.1 Hz", "10 Hz"]
+densities = ["2 N^2 m^2/Hz", "0.1 N^2 m^2/Hz"]
+path = "wind.csv"
+unit = "N^2 m^2/Hz"
+frequency = "0"
+density = "1"
+on = "load"
+[moves.disturbances.encoder_spectrum]
+frequencies = ["1 Hz", "500 Hz"]
+densities = ["4 mas^2/Hz", "0.1 mas^2/Hz"]
+path = "encoder.csv"
+unit = "mas^2/Hz"
+frequency = "0"
+density = "1"
+[moves.disturbances.wind]
+kind = "von_karman"
+sigma = "1 N m"
+corner = "0.5 Hz"
+length = "80 m"
+speed = "8 m/s"
+on = "load"
 [[tracking]]
 name = "stars"
 rate = "sidereal"
@@ -178,6 +211,7 @@ on = "load"
 load_settling = {max = "2 s"}
 """),
 }
+EXAMPLE_2["tracking"][0]["disturbances"] = EXAMPLE_2["moves"][0]["disturbances"]
 """The same of format 2; tables of several kinds stand under the names of the kinds."""
 
 EXAMPLES = {1: EXAMPLE, 2: EXAMPLE_2}
