@@ -57,7 +57,16 @@ constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}
 ripple = {period = "1 deg", amplitude = "0.1 N m", positions = ["0 deg"], torques = ["0 N m"]}
 chain = {masses = ["1 kg"], springs = ["1 N/m"], dampers = ["0.1 N s/m"]}
-transfer = {numerator = [1.0], denominator = [1.0, 0.0, 0.0]}
+[plant.transfer]
+numerator = [1.0]
+denominator = [1.0, 0.0, 0.0]
+zeros = [-1.0]
+poles = [0.0, 0.0, [-2.0, 5.0]]
+gain = 1.0
+a = [[0.0, 1.0], [0.0, -0.5]]
+b = [0.0, 1.0]
+c = [1.0, 0.0]
+d = 0.0
 [[plant.modes]]
 name = "tower"
 frequency = "6 Hz"
@@ -86,7 +95,17 @@ velocity_feedforward = 1.0
 [[controller.filters]]
 lead-lag = {kind = "lead-lag", zero = "1 Hz", pole = "10 Hz"}
 low-pass = {kind = "low-pass", corner = "200 Hz", order = 2, damping = "70 %"}
-transfer = {kind = "transfer", numerator = [1.0], denominator = [0.01, 1.0]}
+[controller.filters.transfer]
+kind = "transfer"
+numerator = [1.0]
+denominator = [0.01, 1.0]
+zeros = [-1.0]
+poles = [-9.0]
+gain = 9.0
+a = [[-9.0]]
+b = [1.0]
+c = [9.0]
+d = 0.0
 [controller.filters.notch]
 kind = "notch"
 frequency = "8 Hz"
