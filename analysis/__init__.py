@@ -1,5 +1,6 @@
 """Margins and surveys of servo loops, shapers as filters, conformance: results, no pictures."""
 
+from .disturbances import Disturbances
 from .frequency_view import (
     CascadedLags,
     DescribingFunction,
@@ -57,6 +58,7 @@ __all__ = [
     "ClosedResponses",
     "Conformance",
     "DescribingFunction",
+    "Disturbances",
     "EstimatedFRF",
     "FirstOrderLag",
     "FittedAxis",

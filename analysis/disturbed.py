@@ -179,7 +179,8 @@ def tracking_survey(loop: ServoLoop, tracking: Tracking) -> TrackingSurvey:
     begin = getattr(command, "start_time", 0.0)
     try:
         times = shown_times(begin, 0.0, tracking.duration)
-        response = loop.respond(command, times=times, disturbance=tracking.disturbance)
+        length = tracking.duration
+        response = loop.respond(command, duration=length, times=times, **tracking.acting(loop))
     except ValueError as error:
         raise ValueError(f"tracking {tracking.name!r}: {error}") from None
     low, high = load_extremes(response, after=tracking.after)

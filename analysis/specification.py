@@ -8,12 +8,14 @@ from math import inf
 from types import MappingProxyType
 from typing import Any, Literal
 
+from ..plant import ServoLoop
 from ..plant.commands import Command, as_command
 from ..plant.disturbances import checked_disturbances
 from ..shaping import InputShaper
 from ..shaping.checks import of_kind, positive
 from ..shaping.frozen import Frozen
 from ..shaping.real_numbers import real_number, shown
+from .disturbances import Disturbances
 
 Bound = float | tuple[float, float]
 """A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
@@ -106,6 +108,8 @@ class Move(Frozen):
     minimum_jerk : bool
         The quintic of least squared jerk in place of the fastest move, as fast as the bounds
         allow.
+    disturbances : Disturbances, optional
+        What acts on the axis meanwhile.
     """
 
     name: str
@@ -117,6 +121,7 @@ class Move(Frozen):
     duration: float | None = None
     round_to: float | None = None
     minimum_jerk: bool = False
+    disturbances: Disturbances | None = None
 
     def __post_init__(self) -> None:
         given = (self.shapers,) if isinstance(self.shapers, InputShaper) else tuple(self.shapers)
@@ -139,7 +144,7 @@ class Tracking:
     after : float
         In s: errors count from then on. The loop starts at rest, and a command that starts with
         a velocity throws it off at first.
-    disturbance : TorqueSteps, TorqueSine, SampledTorque or a list of them, optional
+    disturbance : TorqueSteps, TorqueSine, SampledTorque, a list of them, or Disturbances, optional
         What acts on the axis meanwhile; against it alone the command is `Ramp(0.0)`.
     """
 
@@ -149,8 +154,15 @@ class Tracking:
     after: float = 0.0
     disturbance: Any = None
 
+    def acting(self, loop: ServoLoop) -> dict[str, Any]:
+        """Return the disturbances as `loop.respond` takes them."""
+        if isinstance(self.disturbance, Disturbances):
+            return self.disturbance.acting(loop, self.duration)
+        return {"disturbance": self.disturbance}
+
     def __post_init__(self) -> None:
-        object.__setattr__(self, "disturbance", checked_disturbances(self.disturbance) or None)
+        if not isinstance(self.disturbance, Disturbances):
+            object.__setattr__(self, "disturbance", checked_disturbances(self.disturbance) or None)
         object.__setattr__(self, "command", as_command(self.command))
         object.__setattr__(self, "duration", positive("duration", self.duration))
         if not 0.0 <= real_number("after", self.after) < self.duration:

@@ -14,6 +14,7 @@ from ..plant.response_figures import load_extremes, peak_torque
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from .disturbances import Disturbances
 from .frequency_view import residual_vibration
 from .planned_moves import planned
 from .sampling import clock_for, followed, thinned
@@ -133,7 +134,13 @@ def _response(
     poles: Poles,
     jerk_filter: JerkFilter | None,
 ) -> MoveResponse:
-    if jerk_filter is not None or is_ideal(loop):
+    acting = move.disturbances
+    if acting is not None and jerk_filter is not None:
+        raise ValueError(
+            "disturbances behind a jerk filter: the filter is for a linear loop that nothing "
+            "disturbs; shape the command by limits instead, or leave one of the two out"
+        )
+    if jerk_filter is not None or (is_ideal(loop) and acting is None):
         return _on_a_grid(name, loop, trajectory, move, poles, jerk_filter)
     return _exactly(name, loop, trajectory, move, poles)
 
@@ -141,10 +148,12 @@ def _response(
 def _exactly(
     name: str, loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
 ) -> MoveResponse:
-    lead = trajectory.duration
-    duration = followed_until(loop, poles, _decay(move), lead)
+    lead, acting = trajectory.duration, move.disturbances or Disturbances()
+    duration = followed_until(loop, poles, _decay(move), max(lead, acting.until))
     times = shown_times(trajectory.start_time, lead, duration)
-    found = loop.respond(trajectory, times=times)
+    found = loop.respond(
+        trajectory, duration=duration, times=times, **acting.acting(loop, duration)
+    )
     way, tolerance = float(np.sign(move.distance)), move.settle_to
     low, high = load_extremes(found, move.distance, of="position")
     left = load_extremes(found, after=lead)

@@ -14,7 +14,12 @@ from ..shaping.frozen import Frozen
 from . import scenario_checks as checks
 from .counted_units import counted_factor
 from .overrides import override
-from .scenario_asked import DisturbanceSection, FeedforwardSection, TrackingSection
+from .scenario_asked import (
+    ActingSection,
+    DisturbanceSection,
+    FeedforwardSection,
+    TrackingSection,
+)
 from .scenario_context import Context, context_of
 from .scenario_formats import (
     FORMATS,
@@ -65,6 +70,9 @@ class Scenario(Frozen):
         The unit in which positions are reported; `position_scale` is its SI value.
     counted : mapping of str to str
         What a "count" of the encoder and a "sample" are, where they are known.
+    disturbed : mapping of str to ActingSection
+        What acts on the axis during a move, by the moves' names; `scenario_commands.moves_of`
+        gives the moves with it.
     inertia : float
         The plant's, in kg m² or kg.
     body : {"inertia", "mass", "chain", "transfer"}
@@ -112,6 +120,7 @@ class Scenario(Frozen):
     feedforward: FeedforwardSection = field(default_factory=FeedforwardSection)
     body: str = "inertia"
     counted: Mapping[str, str] = field(default_factory=dict, hash=False)
+    disturbed: Mapping[str, ActingSection] = field(default_factory=dict, hash=False)
     tracking: tuple[TrackingSection, ...] = ()
     limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict, hash=False)
     disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
@@ -292,6 +301,7 @@ def _more(checked: FileOf2) -> dict[str, Any]:
     """Return what only files of format 2 say."""
     return {
         "body": checked.plant.body,
+        "disturbed": {m.name: m.disturbances for m in checked.moves if m.disturbances is not None},
         "plant": _part(PlantSection, checked.plant),
         "controller": _part(ControllerSection, checked.controller),
         "feedforward": _part(FeedforwardSection, checked.feedforward),

@@ -118,35 +118,6 @@ class OntoSection:
     limits: Annotated[str, LIMIT_SET, Field(validate_default=True)] = _MISSING
 
 
-@dataclass(frozen=True, kw_only=True)
-class TrackingSection:
-    """A command that goes on: a rate, a sine, both together, a scan or a file."""
-
-    __pydantic_config__: ClassVar = _CLOSED
-    name: Annotated[str, TRACKING_NAME]
-    rate: Annotated[float | Literal["sidereal"] | None, kinds.RATE] = None
-    sine: SineSection | None = None
-    onto: OntoSection | None = None
-    scan: ScanSection | None = None
-    file: FileSection | None = None
-    duration: Annotated[float | None, kinds.SECONDS] = None
-    after: Annotated[float, kinds.TIME] = 0.0
-
-    def __post_init__(self) -> None:
-        endless = self.rate is not None or self.sine is not None
-        if endless + (self.scan is not None) + (self.file is not None) != 1:
-            raise ValueError(
-                'needs one command: write rate = "15 arcsec/s" or "sidereal", a sine, both '
-                "together, or a scan or a file alone"
-            )
-        if self.onto is not None and (self.rate is None or self.sine is not None):
-            raise ValueError(
-                'goes onto a target without its rate; write rate = "15 arcsec/s" or "sidereal", '
-                "and no sine"
-            )
-        _check_duration(self.duration, self.after, endless=endless)
-
-
 def _check_duration(duration: float | None, after: float, *, endless: bool) -> None:
     """Refuse what never ends, or ends before its errors count."""
     if endless and duration is None:
@@ -169,34 +140,46 @@ class TorqueStepSection:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TorqueSineSection:
-    """A sinusoidal torque, against which the loop holds its position."""
+class ActingSineSection:
+    """A sinusoidal torque."""
 
     __pydantic_config__: ClassVar = _CLOSED
-    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque sine"
     amplitude: Annotated[float, kinds.torque("positive")]
     frequency: Annotated[float, kinds.HERTZ]
+    on: _On = "motor"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueSineSection(ActingSineSection):
+    """A sinusoidal torque, against which the loop holds its position."""
+
+    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque sine"
     duration: Annotated[float | None, kinds.SECONDS] = None
     after: Annotated[float, kinds.TIME] = 0.0
-    on: _On = "motor"
 
     def __post_init__(self) -> None:
         _check_duration(self.duration, self.after, endless=True)
 
 
 @dataclass(frozen=True, kw_only=True)
-class TorqueFileSection:
+class ActingFileSection:
     """Torques over time in a CSV file, each held until the next."""
 
     __pydantic_config__: ClassVar = _CLOSED
-    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque file"
     path: Annotated[str, NAME]
     unit: Annotated[str | None, TORQUE_UNIT] = None
     time: Annotated[str, NAME] = "0"
     torque: Annotated[str, NAME] = "1"
+    on: _On = "motor"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueFileSection(ActingFileSection):
+    """Torques over time in a CSV file, against which the loop holds its position."""
+
+    name: Annotated[str, TRACKING_NAME, Field(validate_default=True)] = "torque file"
     duration: Annotated[float | None, kinds.SECONDS] = None
     after: Annotated[float, kinds.TIME] = 0.0
-    on: _On = "motor"
 
     def __post_init__(self) -> None:
         _check_duration(self.duration, self.after, endless=False)
@@ -266,6 +249,51 @@ class EncoderSpectrumSection(SpectrumSection):
 
     densities: Annotated[tuple[float, ...] | None, kinds.POSITION_DENSITIES] = None
     unit: Annotated[str | None, POSITION_DENSITY_UNIT] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActingSection:
+    """What acts on the axis during a move or a tracking."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    torque_step: TorqueStepSection | None = None
+    torque_sine: ActingSineSection | None = None
+    torque_file: ActingFileSection | None = None
+    wind: WindSection | None = None
+    torque_spectrum: TorqueSpectrumSection | None = None
+    encoder_spectrum: EncoderSpectrumSection | None = None
+    encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0
+    seed: Annotated[int, whole(2**32 - 1, "seed = 1")] = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingSection:
+    """A command that goes on: a rate, a sine, both together, a scan or a file."""
+
+    __pydantic_config__: ClassVar = _CLOSED
+    name: Annotated[str, TRACKING_NAME]
+    rate: Annotated[float | Literal["sidereal"] | None, kinds.RATE] = None
+    sine: SineSection | None = None
+    onto: OntoSection | None = None
+    scan: ScanSection | None = None
+    file: FileSection | None = None
+    duration: Annotated[float | None, kinds.SECONDS] = None
+    after: Annotated[float, kinds.TIME] = 0.0
+    disturbances: ActingSection | None = None
+
+    def __post_init__(self) -> None:
+        endless = self.rate is not None or self.sine is not None
+        if endless + (self.scan is not None) + (self.file is not None) != 1:
+            raise ValueError(
+                'needs one command: write rate = "15 arcsec/s" or "sidereal", a sine, both '
+                "together, or a scan or a file alone"
+            )
+        if self.onto is not None and (self.rate is None or self.sine is not None):
+            raise ValueError(
+                'goes onto a target without its rate; write rate = "15 arcsec/s" or "sidereal", '
+                "and no sine"
+            )
+        _check_duration(self.duration, self.after, endless=endless)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -38,13 +38,10 @@ def _axis(inertia: float, plant: PlantSection) -> Axis:
         name: getattr(plant, name) for name in ("viscous", "load_viscous", "spring")
     }
     if plant.transfer is not None:
-        import control
-
         given = [name for name, value in within.items() if value]
         if given:
             raise ValueError(f"has {', '.join(given)} beside a transfer, which has its own")
-        transfer = plant.transfer
-        return system_axis(control.tf(transfer.numerator, transfer.denominator), **common)
+        return system_axis(plant.transfer.system(), **common)
     if plant.chain is not None:
         chain = plant.chain
         return chain_axis(chain.masses, chain.springs, chain.dampers, **common, **within)

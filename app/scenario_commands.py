@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..analysis.specification import Tracking
+from ..analysis.disturbances import Disturbances
+from ..analysis.specification import Move, Tracking
 from ..plant import Ramp, SampledTorque, Sine, Spectrum, TorqueSine, TorqueSteps, Wind
 from ..shaping import (
     CommandFollower,
@@ -19,12 +21,17 @@ from ..shaping import (
 from .counted_units import counted_factor
 from .scenario import Scenario
 from .scenario_asked import (
+    ActingFileSection,
+    ActingSection,
+    ActingSineSection,
     EncoderSpectrumSection,
     FileSection,
     TorqueFileSection,
     TorqueSineSection,
     TorqueSpectrumSection,
+    TorqueStepSection,
     TrackingSection,
+    WindSection,
 )
 from .scenario_kinds import SIDEREAL, density_kind
 from .units import factor
@@ -32,24 +39,68 @@ from .units import factor
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
     """Return what `survey` takes of a scenario besides loop and moves, by its keywords."""
+    given = scenario.disturbances
     return {
-        "wind": _with_spectrum(wind_of(scenario), scenario, "torque_spectrum"),
-        "encoder_noise": _with_spectrum(
-            scenario.disturbances.encoder_noise, scenario, "encoder_spectrum"
-        ),
-        "torque_step": torque_step_of(scenario),
+        "wind": _with_spectrum(wind_of(given.wind), scenario, "torque_spectrum"),
+        "encoder_noise": _with_spectrum(given.encoder_noise, scenario, "encoder_spectrum"),
+        "torque_step": None if given.torque_step is None else _steps(given.torque_step),
         "tracking": tracking_of(scenario),
         "requirements": scenario.requirements,
     }
 
 
-def wind_of(scenario: Scenario) -> Wind | None:
-    """Return the wind, if there is one."""
-    wind = scenario.disturbances.wind
+def moves_of(scenario: Scenario) -> tuple[Move, ...]:
+    """Return the moves with what acts on the axis meanwhile."""
+    return tuple(
+        replace(move, disturbances=_acting(scenario.disturbed[move.name], scenario, move.name))
+        if move.name in scenario.disturbed
+        else move
+        for move in scenario.moves
+    )
+
+
+def _acting(section: ActingSection, scenario: Scenario, name: str) -> Disturbances:
+    """Return what acts during the move, or the tracking, of a name."""
+    try:
+        torques = [
+            None if section.torque_step is None else _steps(section.torque_step),
+            None if section.torque_sine is None else _sine(section.torque_sine),
+            None if section.torque_file is None else _recorded(section.torque_file, scenario),
+            wind_of(section.wind),
+            None
+            if section.torque_spectrum is None
+            else _spectrum(section.torque_spectrum, scenario),
+        ]
+        noise: list[float | Spectrum] = [section.encoder_noise] if section.encoder_noise else []
+        if section.encoder_spectrum is not None:
+            noise.append(_spectrum(section.encoder_spectrum, scenario))
+        kept = tuple(torque for torque in torques if torque is not None)
+        return Disturbances(kept, tuple(noise), section.seed)
+    except ValueError as error:
+        told = str(error).replace("frequencies_hz", "frequencies")
+        raise ValueError(f"{scenario.path}: disturbances of {name!r}: {told}") from None
+
+
+def wind_of(wind: WindSection | None) -> Wind | None:
+    """Return a wind, if there is one."""
     if wind is None:
         return None
     over = None if wind.length is None or wind.speed is None else wind.length / wind.speed
     return Wind(wind.kind, wind.sigma, corner_hz=wind.corner, length_over_speed=over, on=wind.on)
+
+
+def _steps(step: TorqueStepSection) -> TorqueSteps:
+    return TorqueSteps(np.array([step.time]), np.array([step.torque]), on=step.on)
+
+
+def _sine(sine: ActingSineSection) -> TorqueSine:
+    return TorqueSine(sine.amplitude, sine.frequency, on=sine.on)
+
+
+def _recorded(file: ActingFileSection, scenario: Scenario) -> SampledTorque:
+    unit = file.unit or ("N m" if scenario.motion == "angle" else "N")
+    times, values = _columns(file.path, file.time, file.torque, scenario)
+    return SampledTorque(times, factor(unit) * values, on=file.on)
 
 
 def _with_spectrum(other: Any, scenario: Scenario, key: str) -> Any:
@@ -80,14 +131,6 @@ def _spectrum(
     return Spectrum(frequencies, scale * densities, on=on)
 
 
-def torque_step_of(scenario: Scenario) -> TorqueSteps | None:
-    """Return the disturbing step of torque, if there is one."""
-    step = scenario.disturbances.torque_step
-    if step is None:
-        return None
-    return TorqueSteps(np.array([step.time]), np.array([step.torque]), on=step.on)
-
-
 def tracking_of(scenario: Scenario) -> tuple[Tracking, ...]:
     """Return the commands and the torques that go on."""
     disturbances = scenario.disturbances
@@ -103,14 +146,10 @@ def _holding(section: TorqueSineSection | TorqueFileSection, scenario: Scenario)
     torque: TorqueSine | SampledTorque
     try:
         if isinstance(section, TorqueSineSection):
-            torque = TorqueSine(section.amplitude, section.frequency, on=section.on)
-            duration = section.duration
+            torque, duration = _sine(section), section.duration
         else:
-            unit = section.unit or ("N m" if scenario.motion == "angle" else "N")
-            columns = section.path, section.time, section.torque
-            times, values = _columns(*columns, scenario)
-            torque = SampledTorque(times, factor(unit) * values, on=section.on)
-            duration = section.duration or float(times[-1])
+            torque = _recorded(section, scenario)
+            duration = section.duration or float(torque.times[-1])
         assert duration is not None  # the section's own check
         return Tracking(section.name, Ramp(0.0), duration, section.after, torque)
     except ValueError as error:
@@ -123,7 +162,10 @@ def _tracking(section: TrackingSection, scenario: Scenario) -> Tracking:
         if isinstance(command, Trajectory):
             duration = duration or command.duration
         assert duration is not None  # the section's own check
-        return Tracking(section.name, command, duration, section.after)
+        acting = None
+        if section.disturbances is not None:
+            acting = _acting(section.disturbances, scenario, section.name)
+        return Tracking(section.name, command, duration, section.after, acting)
     except ValueError as error:
         raise ValueError(f"{scenario.path}: tracking {section.name!r}: {error}") from None
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidato
 from ..analysis.specification import Bound, Requirement
 from . import scenario_checks as checks
 from .scenario_asked import (
+    ActingSection,
     DisturbanceSection,
     FeedforwardSection,
     ShaperSection,
@@ -185,6 +186,7 @@ class _MoveOf2(MoveSection):
     duration: Annotated[float | None, SECONDS] = None
     round_to: Annotated[float | None, SECONDS] = None
     minimum_jerk: Annotated[bool, choice(True, False)] = False
+    disturbances: ActingSection | None = None
 
 
 class FileOf2(_Section):

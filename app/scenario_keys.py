@@ -179,3 +179,44 @@ def numbers(name: str) -> Key:
         return tuple(one.read(each) for each in value)
 
     return Key(read, {"type": "array", "items": one.schema, "minItems": 1})
+
+
+def roots(name: str) -> Key:
+    """Return a key that takes zeros or poles: numbers, and [real, imaginary] for a pair."""
+    one = number(name)
+
+    def read(value: object) -> tuple[complex, ...]:
+        if not isinstance(value, list):
+            raise ValueError(
+                f"{show(value)} is not a list of numbers, a pair of complex ones as [real, "
+                f"imaginary]; write {name} = [-1.0, [-2.0, 5.0]]"
+            )
+        found: list[complex] = []
+        for each in value:
+            if not isinstance(each, list):
+                found.append(complex(one.read(each)))
+            elif len(each) == 2:
+                root = complex(one.read(each[0]), one.read(each[1]))
+                found += [root, root.conjugate()]
+            else:
+                raise ValueError(f"{show(each)} is not a pair; write [real, imaginary]")
+        return tuple(found)
+
+    item = {"anyOf": [one.schema, {"type": "array", "items": one.schema}]}
+    return Key(read, {"type": "array", "items": item})
+
+
+def square(name: str) -> Key:
+    """Return a key that takes a square matrix, a list of its rows, as one row after another."""
+    row = numbers(name)
+
+    def read(value: object) -> tuple[float, ...]:
+        rows = [row.read(each) for each in value] if isinstance(value, list) else []
+        if not rows or any(len(each) != len(rows) for each in rows):
+            raise ValueError(
+                f"{show(value)} is not a square matrix; write its rows, {name} = [[0.0, 1.0], "
+                "[0.0, -0.5]]"
+            )
+        return tuple(entry for each in rows for entry in each)
+
+    return Key(read, {"type": "array", "items": row.schema, "minItems": 1})

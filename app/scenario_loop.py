@@ -158,9 +158,7 @@ def _filter(given: Any) -> Any:
         return LeadLag(given.zero, given.pole)
     if isinstance(given, LowPassSection):
         return LowPass(given.corner, given.order, given.damping)
-    import control
-
-    return control.tf(given.numerator, given.denominator)
+    return given.system()
 
 
 def _anti_windup(given: Any) -> Any:

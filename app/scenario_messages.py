@@ -57,7 +57,16 @@ constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}
 ripple = {period = "1 deg", amplitude = "0.1 N m", positions = ["0 deg"], torques = ["0 N m"]}
 chain = {masses = ["1 kg"], springs = ["1 N/m"], dampers = ["0.1 N s/m"]}
-transfer = {numerator = [1.0], denominator = [1.0, 0.0, 0.0]}
+[plant.transfer]
+numerator = [1.0]
+denominator = [1.0, 0.0, 0.0]
+zeros = [-1.0]
+poles = [0.0, 0.0, [-2.0, 5.0]]
+gain = 1.0
+a = [[0.0, 1.0], [0.0, -0.5]]
+b = [0.0, 1.0]
+c = [1.0, 0.0]
+d = 0.0
 [[plant.modes]]
 name = "tower"
 frequency = "6 Hz"
@@ -86,7 +95,17 @@ velocity_feedforward = 1.0
 [[controller.filters]]
 lead-lag = {kind = "lead-lag", zero = "1 Hz", pole = "10 Hz"}
 low-pass = {kind = "low-pass", corner = "200 Hz", order = 2, damping = "70 %"}
-transfer = {kind = "transfer", numerator = [1.0], denominator = [0.01, 1.0]}
+[controller.filters.transfer]
+kind = "transfer"
+numerator = [1.0]
+denominator = [0.01, 1.0]
+zeros = [-1.0]
+poles = [-9.0]
+gain = 9.0
+a = [[-9.0]]
+b = [1.0]
+c = [9.0]
+d = 0.0
 [controller.filters.notch]
 kind = "notch"
 frequency = "8 Hz"
@@ -118,6 +137,39 @@ shaper = {kind = "ZV", modes = ["tower"], frequency = "6 Hz", damping = "1 %", v
 duration = "2 s"
 round_to = "1 ms"
 minimum_jerk = true
+[moves.disturbances]
+torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
+torque_sine = {amplitude = "1 N m", frequency = "2 Hz", on = "motor"}
+encoder_noise = "10 mas"
+seed = 1
+[moves.disturbances.torque_file]
+path = "torque.csv"
+unit = "N m"
+time = "0"
+torque = "1"
+on = "load"
+[moves.disturbances.torque_spectrum]
+frequencies = ["0.1 Hz", "10 Hz"]
+densities = ["2 N^2 m^2/Hz", "0.1 N^2 m^2/Hz"]
+path = "wind.csv"
+unit = "N^2 m^2/Hz"
+frequency = "0"
+density = "1"
+on = "load"
+[moves.disturbances.encoder_spectrum]
+frequencies = ["1 Hz", "500 Hz"]
+densities = ["4 mas^2/Hz", "0.1 mas^2/Hz"]
+path = "encoder.csv"
+unit = "mas^2/Hz"
+frequency = "0"
+density = "1"
+[moves.disturbances.wind]
+kind = "von_karman"
+sigma = "1 N m"
+corner = "0.5 Hz"
+length = "80 m"
+speed = "8 m/s"
+on = "load"
 [[tracking]]
 name = "stars"
 rate = "sidereal"
@@ -178,6 +230,7 @@ on = "load"
 load_settling = {max = "2 s"}
 """),
 }
+EXAMPLE_2["tracking"][0]["disturbances"] = EXAMPLE_2["moves"][0]["disturbances"]
 """The same of format 2; tables of several kinds stand under the names of the kinds."""
 
 EXAMPLES = {1: EXAMPLE, 2: EXAMPLE_2}

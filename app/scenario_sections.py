@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isqrt
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
 from . import scenario_kinds as kinds
 from .scenario_checks import GAIN, NAME, listed, whole
-from .scenario_keys import OrWord, choice, number, numbers
+from .scenario_keys import OrWord, choice, number, numbers, roots, square
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
 _NONE: Any = "none"  # a word in place of the table that pydantic is told of
@@ -59,11 +60,49 @@ class ChainSection:
 
 @dataclass(frozen=True, kw_only=True)
 class TransferSection:
-    """A transfer function, coefficients of s in rad or m, N m or N and s, highest power first."""
+    """A linear system, of quantities in rad or m, N m or N and s.
+
+    Coefficients of s, highest power first; zeros, poles and gain; or matrices of its states.
+    """
 
     __pydantic_config__: ClassVar = _CLOSED
-    numerator: Annotated[tuple[float, ...], numbers("numerator")]
-    denominator: Annotated[tuple[float, ...], numbers("denominator")]
+    numerator: Annotated[tuple[float, ...] | None, numbers("numerator")] = None
+    denominator: Annotated[tuple[float, ...] | None, numbers("denominator")] = None
+    zeros: Annotated[tuple[complex, ...] | None, roots("zeros")] = None
+    poles: Annotated[tuple[complex, ...] | None, roots("poles")] = None
+    gain: Annotated[float | None, number("gain")] = None
+    a: Annotated[tuple[float, ...] | None, square("a")] = None
+    b: Annotated[tuple[float, ...] | None, numbers("b")] = None
+    c: Annotated[tuple[float, ...] | None, numbers("c")] = None
+    d: Annotated[float | None, number("d")] = None
+
+    def __post_init__(self) -> None:
+        keys = ("numerator", "denominator", "zeros", "poles", "gain", *"abcd")
+        given = tuple(key for key in keys if getattr(self, key) is not None)
+        known = [("numerator", "denominator"), ("zeros", "poles", "gain"), ("poles", "gain")]
+        if given not in (*known, ("a", "b", "c"), ("a", "b", "c", "d")):
+            raise ValueError(
+                f"has {', '.join(given) or 'no coefficients'}; write numerator and denominator, or "
+                "zeros, poles and gain, or the matrices a, b, c (and d)"
+            )
+        sizes = {len(part) for part in (self.b, self.c) if part is not None}
+        if self.a is not None and sizes != {isqrt(len(self.a))}:
+            raise ValueError(
+                f"has b and c of {len(self.b or ())} and {len(self.c or ())} numbers; write as "
+                f"many as a has rows, {isqrt(len(self.a))}"
+            )
+
+    def system(self) -> Any:
+        """Return it as a python-control system."""
+        import control
+
+        if self.numerator is not None:
+            return control.tf(self.numerator, self.denominator)
+        if self.poles is not None:
+            return control.zpk(self.zeros or (), self.poles, self.gain)
+        n = len(self.b or ())
+        rows = [self.a[i * n : (i + 1) * n] for i in range(n)] if self.a else []
+        return control.ss(rows, [[each] for each in self.b or ()], [self.c], [[self.d or 0.0]])
 
 
 @dataclass(frozen=True, kw_only=True)

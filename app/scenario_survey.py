@@ -10,7 +10,7 @@ from typing import Any
 from ..analysis.loop_survey import Survey, UnstableLoopError, survey
 from ..analysis.specification import Labels
 from .scenario import Scenario, as_scenario
-from .scenario_commands import survey_conditions
+from .scenario_commands import moves_of, survey_conditions
 from .scenario_loop import jerk_filter_of, servo_loop_of
 
 
@@ -68,7 +68,7 @@ def survey_file(
     try:
         found = survey(
             loop,
-            scenario.moves,
+            moves_of(scenario),
             jerk_filter=behind,
             modes=scenario.modes,
             specification=scenario.specification,

@@ -125,7 +125,8 @@ def _real_moves_table(survey: Survey) -> WideTable:
     rows = []
     for move in survey.moves:
         settle_to = f"{move.move.settle_to / labels.position_scale:.4g} {unit}"
-        name = f"{move.name}, {move.duration_s:.4f} s, settled to {settle_to}"
+        acted = ", disturbed" if move.move.disturbances else ""
+        name = f"{move.name}, {move.duration_s:.4f} s, settled to {settle_to}{acted}"
         rows.append([name, *[""] * (len(heads) - 1)])
         for result in move.responses.values():
             rows.append([f"  {result.name}", *_move_cells(survey, move, result)])

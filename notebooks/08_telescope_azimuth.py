@@ -85,7 +85,8 @@ print(f"load error up to {first.peak_load_error:.1f} arcsec, {first.peak_load_er
 #     torque = J·r̈ + (J/ω²)·r⁗,   y_motor = r + r̈/ω_a²,
 #
 # so the command's snap must be bounded: 600 deg/s⁴, for which the move takes 70 ms longer.
-# Damping has no finite inverse, and 1 % of it is left out of the model, not of the axis.
+# 1 % of damping is left out of the model, not of the axis: its inverse is no sum of derivatives
+# (`inverse_feedforward(axis)` takes it all the same, and remembers the command).
 
 # %%
 model = Axis(J, modes=[FlexibleMode(6.0, load_fraction=0.5, held=True)])

@@ -60,7 +60,12 @@ class Scene:
     def sample_count(self) -> int:
         """Samples of a digital controller before the end."""
         dt = self.controller.sample_time
-        return 0 if dt is None else max(ceil(self.duration / dt * (1.0 - 1e-12)), 1)
+        return 0 if dt is None else samples_within(self.duration, dt)
+
+
+def samples_within(duration: float, dt: float) -> int:
+    """Return how many samples a digital controller takes before the end of a response."""
+    return max(ceil(duration / dt * (1.0 - 1e-12)), 1)
 
 
 @dataclass(frozen=True, eq=False)

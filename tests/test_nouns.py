@@ -15,6 +15,7 @@ import jounce.app
 import jounce.plant
 import jounce.shaping
 from jounce.analysis import (
+    Disturbances,
     MeasuredResponse,
     Mode,
     Requirement,
@@ -168,6 +169,7 @@ NOUNS = [
     TorqueSine(1.0, 2.0),
     Wind("first_order", 1.0, corner_hz=2.0),
     Spectrum([1.0, 2.0], [3.0, 4.0]),
+    Disturbances((TorqueSine(1.0, 2.0),), (1e-6,)),
     loop_margins(LOOP.loop_transfer()),
     FRF,
     closed_responses(FRF),

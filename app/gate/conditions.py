@@ -14,7 +14,7 @@ from dataclasses import Field, dataclass, fields, is_dataclass
 from math import inf, isclose, isnan
 from typing import Any, Literal, get_type_hints
 
-from ...analysis.specification import Mode
+from ...analysis.specification import Mode, Move
 from ...shaping import InputShaper
 from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
@@ -32,7 +32,7 @@ NONE = "none"
 _SAME = 1e-9  # relative: less than any number's tolerance, more than a unit's rounding
 _ORIGIN = (
     *("path", "title", "motion", "position_unit", "overrides", "limits_name", "name"),
-    *("limit_sets", "requirements", "body", "counted"),
+    *("limit_sets", "requirements", "body", "counted", "disturbed"),
 )
 _CONTROLLER = ("gains", "filters", "derivative_filter", "anti_windup", "discretisation")
 _FEEDFORWARD = (
@@ -157,6 +157,8 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
         if field.name in _ORIGIN or _is_left_out(part, field, value):
             continue
         key = (*where, *_key_of(field.name))
+        if isinstance(part, Move) and field.name == "disturbances":
+            continue
         if part is scenario and field.name == "inertia":
             key = ("plant", scenario.body)
             if scenario.body in ("inertia", "mass"):
@@ -173,6 +175,8 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
                 yield from _leaves(entry, (*key, name), scenario)
         else:
             yield key, _text(part, field.name, value, scenario)
+    if isinstance(part, Move) and part.name in scenario.disturbed:
+        yield from _leaves(scenario.disturbed[part.name], (*where, "disturbances"), scenario)
 
 
 def _is_left_out(part: Any, field: Field[Any], value: Any) -> bool:

@@ -10,7 +10,7 @@ from jounce.app import survey_file
 from jounce.app.gate.conditions import scenario_conditions
 from jounce.app.scenario import ScenarioError, load_scenario
 from jounce.app.scenario_commands import survey_conditions
-from jounce.plant import SampledTorque, TorqueSine
+from jounce.plant import Ramp, SampledTorque, TorqueSine, TorqueSteps
 
 DEGREE = math.pi / 180
 LOOP = """
@@ -149,6 +149,85 @@ def test_what_is_no_spectrum_is_one_line(write, old, new, line):
     with pytest.raises(ValueError, match=r"case\.toml: disturbances") as caught:
         survey_conditions(load_scenario(write(text.replace(old, new, 1))))
     assert line in str(caught.value).splitlines()[0]
+
+
+ACTING = """
+[moves.disturbances]
+torque_step = {torque = "2 N m", time = "0.2 s", on = "load"}
+torque_sine = {amplitude = "0.5 N m", frequency = "3 Hz"}
+torque_file = {path = "w.csv", unit = "N mm"}
+encoder_noise = "0.1 arcsec"
+"""
+RANDOM = """
+wind = {kind = "first_order", sigma = "1 N m", corner = "1 Hz"}
+torque_spectrum = {frequencies = ["1 Hz", "9 Hz"], densities = ["1 N^2 m^2/Hz", "1 N^2 m^2/Hz"]}
+encoder_spectrum = {frequencies = ["1 Hz", "9 Hz"], densities = ["9 mas^2/Hz", "9 mas^2/Hz"]}
+"""
+
+
+def test_torques_and_noise_act_on_moves(write):
+    path = write(LOOP + LIMITS + MOVE + ACTING)
+    path.with_name("w.csv").write_text("t,T\n0,0\n0.5,2000\n1.5,-1000\n")
+    found = survey_file(path)
+    [surveyed] = found.moves
+    response, configured = surveyed.configured.response, surveyed.configured
+    torques = [
+        TorqueSteps([0.2], [2.0], on="load"),
+        TorqueSine(0.5, 3.0),
+        SampledTorque([0.0, 0.5, 1.5], [0.0, 2.0, -1.0]),
+    ]
+    end = float(response.time[-1])
+    dt, arcsec = 1e-3, DEGREE / 3600
+    count = math.ceil(end / dt)
+    noise = 0.1 * arcsec * np.random.default_rng(1 + (3 << 32)).standard_normal(count)
+    given = surveyed.move.disturbances.acting(found.loop, end)
+    np.testing.assert_allclose(given["noise"], noise, rtol=1e-14)
+    direct = found.loop.respond(
+        surveyed.trajectory, duration=end, times=response.time, disturbance=torques, noise=noise
+    )
+    np.testing.assert_allclose(response.load, direct.load, atol=1e-12)
+    calm = found.loop.respond(surveyed.trajectory, times=response.time)
+    assert configured.peak_load_error > 3.0 * calm.peak_load_error
+    stored = scenario_conditions(found.scenario)
+    assert stored["moves", "go", "disturbances", "torque_step", "torque"] == "2 N m"
+    assert stored["moves", "go", "disturbances", "torque_sine", "frequency"] == "3 Hz"
+
+
+def test_random_torques_act_by_their_seed_on_moves_and_tracking(write):
+    still = STILL + "[tracking.disturbances]" + RANDOM
+    text = LOOP + LIMITS + MOVE + "[moves.disturbances]" + RANDOM + still
+    path = write(text)
+    one, same = (survey_file(path) for _ in range(2))
+    other = survey_file(path, overrides={"moves.go.disturbances.seed": 2})
+    peaks = [each.moves[0].configured.peak_load_error for each in (one, same, other)]
+    assert peaks[0] == peaks[1] != peaks[2]
+    conditions = survey_conditions(one.scenario)
+    acting = conditions["tracking"][0].acting(one.loop)
+    response = one.loop.respond(Ramp(0.0), 1e-3, duration=1.0, **acting)
+    assert one.tracking[0].peak_error == pytest.approx(response.peak_load_error, rel=1e-9)
+    assert len(acting["disturbance"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("seed = 1", "seed = 0", "moves[0].disturbances.seed: 0 is not a whole number from 1 to"),
+        ("seed = 1", "sead = 1", "disturbances.sead: unknown key (with 1); accepted: torque_step,"),
+        ('"N mm"', '"mm"', "moves[0].disturbances.torque_file.unit: 'mm' has the wrong dimension"),
+        ('"w.csv"', '"v.csv"', "disturbances of 'go': file "),
+        ('sample_time = "1 ms"\ndelay = "1 ms"\n', "", "'go': encoder noise in a continuous loop"),
+        (MOVE, '[filter]\ncorner = "9 Hz"\norder = 3\n' + MOVE, "disturbances behind a jerk filt"),
+    ],
+)
+def test_what_cannot_act_on_a_move_is_one_line(write, old, new, line):
+    text = LOOP + LIMITS + MOVE + ACTING + "seed = 1\n"
+    assert old in text
+    path = write(text.replace(old, new))
+    path.with_name("w.csv").write_text("t,T\n0,0\n0.5,2000\n1.5,-1000\n")
+    with pytest.raises(ValueError, match=r"case\.toml: ") as caught:
+        survey_file(path)
+    assert line in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
 
 
 def test_names_of_torques_can_be_required(write):

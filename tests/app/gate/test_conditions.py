@@ -21,7 +21,7 @@ OVERRIDES = {
 REAL = ("telescope_azimuth", "wafer_stage", "gantry_crane", "servo_drive", "lift")
 SCENARIO = load_scenario(EXAMPLES / "telescope.toml", overrides=OVERRIDES)
 NAMES = {"path", "title", "motion", "position_unit", "overrides", "limits_name", "name"}
-NAMES |= {"limit_sets", "requirements", "body", "counted"}
+NAMES |= {"limit_sets", "requirements", "body", "counted", "disturbed"}
 
 
 def varied(part):
