@@ -269,7 +269,7 @@ def test_a_class_that_is_given_holds_motion_and_limits():
     assert type(held) is Held
     motion = transfer((0.0, 0.5), 1.0, BOUNDS)
     assert held._motion.duration == motion.duration
-    assert vars(held) == {"_motion": held._motion, "coasting": 1, "limits": Bounds}
+    assert vars(held) == {"_motion": held._motion, "limits": Bounds}
     outside = transfer((0.0, 2.0), 1.0, BOUNDS, Held, Bounds)
     assert outside.inside_after == transfer((0.0, 2.0), 1.0, BOUNDS).inside_after > 0.0
     assert vars(move(1.0, BOUNDS[:2], 0.0, Held, None)).keys() == {"_motion", "coasting"}
