@@ -284,10 +284,10 @@ def test_what_can_hold_no_motion_is_refused(type_):
 def test_axes_are_slowed_down_together_and_the_slowest_stays():
     bounds = Bounds()
     slow, fast = (transfer(0.0, distance, BOUNDS, Held, bounds) for distance in (3.0, 1.0))
-    found = together((slow, fast), Held)
-    assert found[0] is slow
-    assert found[1].limits is bounds
-    assert found[1]._motion.duration == pytest.approx(slow._motion.duration, rel=1e-14)
+    (first, second), limits = together((slow, fast), Held)
+    assert first is slow
+    assert limits == (bounds, second.limits) == (bounds, bounds)
+    assert second._motion.duration == pytest.approx(slow._motion.duration, rel=1e-14)
 
 
 @pytest.mark.parametrize("others", [(1.0,), (object(),), (object.__new__(Held),), [], (None,) * 65])
