@@ -708,8 +708,8 @@ static int put(PyObject *object, PyObject *name, PyObject *value) {
     return done;
 }
 
-/* An object of a class of trajectories that holds a motion, a new reference, and its limits, if
- * there are any: made here, as its own constructor takes longer than the planner. */
+/* An object of a class that holds a motion, a new reference, and its limits; or without these one
+ * of a class of trajectories. It is made here, as its own constructor takes longer than the planner. */
 static PyObject *new_trajectory(State *state, PyObject *type, PyObject *motion, PyObject *limits) {
     const Motion *held = (Motion *)motion;
     PyObject *self = NULL;
@@ -724,8 +724,8 @@ static PyObject *new_trajectory(State *state, PyObject *type, PyObject *motion, 
         return NULL;
     }
     if (!put(self, state->of_motion, motion) ||
-        !put(self, state->of_coasting, PyLong_FromLong(held->order > 1)) ||
-        (limits != Py_None && !put(self, state->of_limits, Py_NewRef(limits))) ||
+        (limits == Py_None ? !put(self, state->of_coasting, PyLong_FromLong(held->order > 1))
+                           : !put(self, state->of_limits, Py_NewRef(limits))) ||
         (held->motion.inside_after > 0.0 &&
          !put(self, state->of_inside_after, PyFloat_FromDouble(held->motion.inside_after)))) {
         Py_CLEAR(self);
@@ -859,11 +859,16 @@ static int take_axis(State *state, PyObject *given, PyObject *type, Axes *axes) 
     axes->motions[i] = PyObject_GenericGetAttr(given, state->of_motion);
     axes->limits[i] = axes->motions[i] != NULL ? PyObject_GenericGetAttr(given, state->of_limits)
                                                : NULL;
-    if (axes->limits[i] != NULL) {
-        flat = PyObject_GenericGetAttr(axes->limits[i], state->of_flat);
+    if (i > 0 && axes->limits[i] == axes->limits[i - 1]) { /* axes often have the same */
+        axes->bounds[i] = axes->bounds[i - 1];
+        done = 1;
+    } else {
+        flat = axes->limits[i] != NULL
+                   ? PyObject_GenericGetAttr(axes->limits[i], state->of_flat)
+                   : NULL;
+        done = flat != NULL && plain_limits(flat, 2, &axes->bounds[i]) != 0;
+        Py_XDECREF(flat);
     }
-    done = flat != NULL && plain_limits(flat, 2, &axes->bounds[i]) != 0;
-    Py_XDECREF(flat);
     if (done && !PyObject_TypeCheck(axes->motions[i], (PyTypeObject *)state->motion)) {
         PyErr_SetString(PyExc_TypeError, "together: no Motion");
         return 0;
@@ -954,6 +959,20 @@ static PyObject *last_together(PyObject *module, PyObject *type, const Axes *axe
                                : PyLong_FromLong((long)JOUNCE_NO_DURATION);
 }
 
+/* What was made of the axes, a new reference, and the limits of these; a status as it is. */
+static PyObject *with_limits(PyObject *made, const Axes *axes) {
+    PyObject *limits;
+    int i;
+    if (made == NULL || PyLong_Check(made)) {
+        return made;
+    }
+    limits = PyTuple_New(axes->count);
+    for (i = 0; limits != NULL && i < axes->count; i++) {
+        PyTuple_SetItem(limits, i, Py_NewRef(axes->limits[i]));
+    }
+    return Py_BuildValue("(NN)", made, limits);
+}
+
 static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t count) {
     State *state = PyModule_GetState(module);
     PyObject *result = NULL;
@@ -971,7 +990,7 @@ static PyObject *together(PyObject *module, PyObject *const *args, Py_ssize_t co
     for (i = 0; i < given && take_axis(state, PyTuple_GetItem(args[0], i), args[1], &axes); i++) {
     }
     if (i == given) {
-        result = last_together(module, args[1], &axes);
+        result = with_limits(last_together(module, args[1], &axes), &axes);
     }
     let_axes_go(&axes);
     return result;
@@ -2035,7 +2054,7 @@ static PyMethodDef functions[] = {
      "take, as pairs (low, high); none where the end cannot be reached."},
     {"together", FAST(together), METH_FASTCALL,
      "together(transfers, type)\n--\n\nReturn objects that hold Motions, and limits, slowed down to "
-     "the shortest duration that all can take, or the status."},
+     "the shortest duration that all can take, and their limits, or the status."},
     {"transfers", FAST(transfers), METH_FASTCALL,
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "

@@ -1,7 +1,7 @@
 """The core in C, as `binding.c` shows it to Python."""
 
 from collections.abc import Sequence
-from typing import TypeVar, final, overload
+from typing import Any, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +114,9 @@ def transfer_lasting(
 def possible_durations(
     start: Numbers, end: Numbers, bounds: Numbers, /
 ) -> tuple[tuple[float, float], ...]: ...
-def together(transfers: tuple[object, ...], type: type[_T], /) -> tuple[_T, ...] | int: ...
+def together(
+    transfers: tuple[object, ...], type: type[_T], /
+) -> tuple[tuple[_T, ...], tuple[Any, ...]] | int: ...
 def transfers(
     order: int,
     starts: FloatArray,

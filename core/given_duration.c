@@ -43,22 +43,31 @@ static double settling(double velocity, double acceleration, const jounce_task *
     return clamp(velocity + gain, task->v_min, task->v_max);
 }
 
-/* A velocity, the distance's error and its derivative by the velocity: a higher one shifts all that
+/* A velocity, the distance's error and its derivatives by the velocity: a higher one shifts all that
  * is between the two outer ramps. */
 typedef struct {
-    double velocity, error, slope;
+    double velocity, error, slope, bend;
 } Trial;
 
+/* How the time of a ramp between the peak and zero grows with the velocity that the change goes to. */
+static double growth(const jounce_change *change, double ramp, double kappa) {
+    return change->hold > 0.0 ? 0.0 : 0.5 * ramp / (kappa * change->peak * magnitude(change->peak));
+}
+
 static Trial trial(Cruise *c, double velocity, double duration) {
+    const jounce_change *first = &c->first, *last = &c->last;
     Trial result;
-    double back = 0.0;
     cruise_at(c, velocity, duration);
-    if (is_finite(c->to.rise)) {
-        back = -c->first.peak / c->first.back + c->last.peak / c->last.jerk;
-    }
     result.velocity = velocity;
     result.error = c->error;
-    result.slope = c->cruise + 0.5 * back;
+    result.slope = c->cruise;
+    result.bend = 1.0 / last->peak - 1.0 / first->peak;
+    if (is_finite(c->to.rise)) {
+        double kappa = 0.5 / c->to.rise + 0.5 / c->to.fall;
+        double back = -first->peak / first->back, forth = last->peak / last->jerk;
+        result.slope += 0.5 * (back + forth);
+        result.bend += 0.5 * (growth(first, back, kappa) - growth(last, forth, kappa));
+    }
     return result;
 }
 
@@ -81,24 +90,27 @@ static Trial trial_towards(Cruise *c, Trial from, double bound, double duration)
     return at;
 }
 
-static double newton(Trial at) { return at.velocity - at.error / at.slope; }
+/* How far it is to where a quadratic is zero, or a line where that has none. */
+static double step_from(Trial at) {
+    double square = at.slope * at.slope - 2.0 * at.error * at.bend;
+    double root = square_root(larger(square, 0.0));
+    return square > 0.0 ? -2.0 * at.error / (at.slope + root) : -at.error / at.slope;
+}
 
-/* Where an increasing error is nearest to zero; at one end it may be NaN (far). Newton's iteration,
- * which bisects where it leaves the bracket, and now and then. */
+/* Where an increasing error is nearest to zero; at one end it may be NaN (far). Steps to the zero of
+ * a quadratic, each of which leaves an error of third order; where one leaves the bracket, and now
+ * and then, it is bisected. */
 static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Trial high) {
-    Trial best = low, other = high, at;
-    int unknown_is_high = is_nan(high.error), k;
-    double following;
+    Trial best = low, at;
+    int unknown_is_high = is_nan(high.error), is_last = 0, k;
+    double following, step;
     if (is_nan(low.error) || magnitude(high.error) < magnitude(low.error)) {
         best = high;
-        other = low;
     }
-    following = newton(best);
-    if (!is_nan(other.error)) {
-        following = best.velocity + step_to_zero(other.velocity - best.velocity, best.error,
-                                                 best.slope, other.error, other.slope);
-    }
+    step = step_from(best);
+    following = best.velocity + step;
     for (k = 0; k < MOST_ITERATIONS && magnitude(best.error) > noise; k++) {
+        double moved = step;
         if (!(low.velocity < following && following < high.velocity) || k % 8 == 7) {
             following = 0.5 * (low.velocity + high.velocity);
             if (!(low.velocity < following && following < high.velocity)) {
@@ -111,12 +123,21 @@ static Trial bracketed(Cruise *c, double duration, double noise, Trial low, Tria
         } else if (magnitude(best.error) <= 64.0 * noise) { /* rounding allows no more */
             break;
         }
+        if (is_last && magnitude(best.error) <= 64.0 * noise) {
+            break;
+        }
         if (is_nan(at.error) ? unknown_is_high : at.error >= 0.0) {
             high = at;
         } else {
             low = at;
         }
-        following = newton(is_nan(at.error) ? best : at);
+        if (is_nan(at.error)) {
+            at = best;
+        }
+        step = step_from(at);
+        following = at.velocity + step;
+        moved = step / moved;
+        is_last = magnitude(at.error * moved * moved * moved) <= noise;
     }
     return best;
 }
@@ -126,7 +147,7 @@ static int find_cruise(const jounce_task *task, double duration, Cruise *c) {
     double speed = larger(magnitude(task->v0), magnitude(task->v1));
     double size = magnitude(task->distance) + speed * duration;
     double slack = task->resolution + 64.0 * ROUNDING * size, settled;
-    Trial nearest[2], low = {0.0, 0.0, 0.0}, high = {0.0, 0.0, 0.0}, best;
+    Trial nearest[2], low = {0.0, 0.0, 0.0, 0.0}, high = low, best;
     int have_low = 0, have_high = 0, i;
     begin_cruise(task, c);
     nearest[0] = trial(c, settling(task->v0, task->a0, task), duration);

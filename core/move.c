@@ -231,6 +231,11 @@ static inline double even_duration(int form, const Even *m) {
 }
 
 static inline int has_formula(const Even *m) {
+    double least = smaller(smaller(m->distance, m->velocity), smaller(m->acceleration, m->jerk));
+    double most = larger(larger(m->distance, m->velocity), larger(m->acceleration, m->jerk));
+    if (least > 1e-60 && most < 1e60) { /* as mostly, which is told with fewer looks */
+        return 1;
+    }
     return (is_finite(m->acceleration) || is_finite(m->jerk)) && moderate(m->distance) &&
            moderate(m->velocity) && moderate(m->acceleration) && moderate(m->jerk);
 }

@@ -96,12 +96,12 @@ def synchronize(
     if resultant is not None:
         _check_resultant(resultant, mode)
     transfers = [given if type(given) is Transfer else _planned(given) for given in transfers]
+    if not transfers:
+        raise ValueError("transfers is empty: expected at least one axis")
     if mode == "both":
         together = _in_the_core(transfers)
         if together is not None:
             return together
-    if not transfers:
-        raise ValueError("transfers is empty: expected at least one axis")
     axes = [as_axis(number, given, resultant) for number, given in enumerate(transfers)]
     return tied_together(axes, mode, resultant)
 
@@ -130,6 +130,7 @@ def _in_the_core(transfers: list[Given]) -> Synchronized | None:
         found = core.together(tuple(transfers), Transfer)
     except (AttributeError, TypeError, ValueError):  # made from arrays, or of another kind
         return None
-    if isinstance(found, int) or not found:
+    if isinstance(found, int):
         return None
-    return Synchronized.of(found, "both", tuple([one.limits for one in found]))
+    motions, limits = found
+    return Synchronized.of(motions, "both", limits)

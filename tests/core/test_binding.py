@@ -85,7 +85,9 @@ def test_what_is_returned_has_the_type_that_is_named():
     assert [array.ndim for array in motion.arrays()] == [1, 2, 1, 1]
     assert isinstance(binding.possible_durations((0.0,), (1.0,), limits)[0], tuple)
     transfer = min_time_transfer((0.0, 0.3, 0.1), (1.0,), Limits(1.0, 2.0, 9.0))
-    assert isinstance(binding.together((transfer,), Transfer)[0], Transfer)
+    [[together], [kept]] = binding.together((transfer,), Transfer)
+    assert isinstance(together, Transfer)
+    assert kept is transfer.limits
     follower = binding.Follower(limits, 0.01, float("inf"), 0.0, 0)
     state = follower.step((0.0, 0.0, 0.0, 0.0), 1.0, 0.0)
     assert [type(x) for x in state] == [float] * len(state)

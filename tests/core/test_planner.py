@@ -269,7 +269,7 @@ def test_a_class_that_is_given_holds_motion_and_limits():
     assert type(held) is Held
     motion = transfer((0.0, 0.5), 1.0, BOUNDS)
     assert held._motion.duration == motion.duration
-    assert vars(held) == {"_motion": held._motion, "coasting": 1, "limits": Bounds}
+    assert vars(held) == {"_motion": held._motion, "limits": Bounds}
     outside = transfer((0.0, 2.0), 1.0, BOUNDS, Held, Bounds)
     assert outside.inside_after == transfer((0.0, 2.0), 1.0, BOUNDS).inside_after > 0.0
     assert vars(move(1.0, BOUNDS[:2], 0.0, Held, None)).keys() == {"_motion", "coasting"}
@@ -284,13 +284,44 @@ def test_what_can_hold_no_motion_is_refused(type_):
 def test_axes_are_slowed_down_together_and_the_slowest_stays():
     bounds = Bounds()
     slow, fast = (transfer(0.0, distance, BOUNDS, Held, bounds) for distance in (3.0, 1.0))
-    found = together((slow, fast), Held)
-    assert found[0] is slow
-    assert found[1].limits is bounds
-    assert found[1]._motion.duration == pytest.approx(slow._motion.duration, rel=1e-14)
+    (first, second), limits = together((slow, fast), Held)
+    assert first is slow
+    assert limits == (bounds, second.limits) == (bounds, bounds)
+    assert second._motion.duration == pytest.approx(slow._motion.duration, rel=1e-14)
 
 
 @pytest.mark.parametrize("others", [(1.0,), (object(),), (object.__new__(Held),), [], (None,) * 65])
 def test_what_is_no_axis_is_refused(others):
     with pytest.raises((TypeError, AttributeError, ValueError)):
         together(others, Held)
+
+
+def test_the_single_profile_sought_from_the_longest_on_is_the_shortest_of_all():
+    """All profiles of both families are found for `possible_durations`, one for `transfer`."""
+    rng = np.random.default_rng(20261129)
+    found = 0
+    for _ in range(1000):
+        decades = rng.choice([0.3, 2.0, 8.0])
+        sides = 10.0 ** rng.uniform(-decades, decades, (3, 2)) * [-1.0, 1.0]
+        v, a = (rng.uniform(*sides[k], 2) for k in (0, 1))
+        a *= rng.integers(0, 2, 2)
+        start, end = (0.0, v[0], a[0]), (rng.normal(0.0, 2.0), v[1], a[1])
+        motion = transfer(start, end, tuple(sides.ravel()))
+        possible = possible_durations(start, end, tuple(sides.ravel()))
+        if not isinstance(motion, int):
+            found += 1
+            assert motion.duration == pytest.approx(possible[0][0], rel=1e-13)
+    assert found > 700
+
+
+def test_a_bound_of_velocity_that_is_not_reached_changes_nothing_however_far_it_is():
+    start, end = (
+        (0.0, -1.303193504470855, 0.5868515295339114),
+        (1.7059367555049676, 0.2036564901690785),
+    )
+    near, far = (
+        transfer(start, end, (-26.5, v, -0.0023876, 0.800231, -0.681284, 0.04092))
+        for v in (30.0, 1.8e8)
+    )
+    assert far.duration == pytest.approx(near.duration, rel=1e-13)
+    assert near.duration == pytest.approx(16.37, rel=1e-3)
