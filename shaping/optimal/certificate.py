@@ -185,6 +185,8 @@ def certify(trajectory: Motion, limits: Limits, *, rtol: float = 1e-4) -> Certif
     move, limits = as_trajectory(trajectory), of_one(limits)
     _check(move, limits)
     rests = _at_rest(move, limits.order)
+    if np.array_equal(move.start_state[: limits.order], move.end_state[: limits.order]):
+        return _certificate(move.duration, limits, rtol, None)
     if rests and (not 2 <= limits.order <= HIGHEST_ORDER or _has_half(limits)):
         proven = in_range(lambda: proven_by_half(move, limits, rtol))
     else:
