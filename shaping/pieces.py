@@ -22,6 +22,7 @@ MAX_SAMPLES = 10**9
 INVERSE_FACTORIALS = np.array([1.0 / factorial(j) for j in range(MAX_ORDER + 2)])
 
 _BISECTIONS = 40  # locates a stationary point to 1e-12 of its piece, its value to 1e-24
+_ROUNDING = 1e-15  # of the largest magnitude
 
 
 def integral(durations: RealArray, rows: RealArray) -> RealArray:
@@ -89,8 +90,7 @@ def extrema(durations: RealArray, rows: RealArray) -> tuple[FloatArray, FloatArr
     rows : (q + 1, m) array
         Value and derivatives 1…q at each piece's start.
     """
-    powers = durations ** np.arange(len(rows))[:, None]
-    unit = rows * powers * INVERSE_FACTORIALS[: len(rows), None]
+    unit = _on_unit(durations, rows)
     ends = np.array([unit[0], unit[::-1].sum(axis=0)])
     low, high = ends.min(axis=0), ends.max(axis=0)
     turning = _may_turn(unit)
@@ -102,15 +102,42 @@ def extrema(durations: RealArray, rows: RealArray) -> tuple[FloatArray, FloatArr
     return low, high
 
 
+def extremes(durations: RealArray, rows: RealArray) -> tuple[float, float]:
+    """Return the exact minimum and maximum of all pieces, given as for `extrema`.
+
+    Only those pieces are looked into that may go beyond what all have at their ends, by more than
+    its rounding.
+    """
+    unit = _on_unit(durations, rows)
+    ends = np.array([unit[0], unit[::-1].sum(axis=0)])
+    low, high = float(ends.min()), float(ends.max())
+    hull = _bernstein(unit)
+    doubt = _ROUNDING * max(-low, high)
+    beyond = (hull.min(axis=0) < low - doubt) | (hull.max(axis=0) > high + doubt)
+    if beyond.any():
+        least, most = extrema(durations[beyond], rows[:, beyond])
+        low, high = min(low, float(least.min())), max(high, float(most.max()))
+    return low, high
+
+
+def _on_unit(durations: RealArray, rows: RealArray) -> FloatArray:
+    """Return the power coefficients (q + 1, m) of each piece on [0, 1]."""
+    powers = durations ** np.arange(len(rows))[:, None]
+    return np.asarray(rows * powers * INVERSE_FACTORIALS[: len(rows), None])
+
+
+def _bernstein(unit: FloatArray) -> FloatArray:
+    """Return Bernstein coefficients: i is the sum over j of C(i, j) / C(q, j) times power j."""
+    q = len(unit) - 1
+    basis = np.array([[comb(i, j) / comb(q, j) for j in range(q + 1)] for i in range(q + 1)])
+    return np.asarray(basis @ unit)
+
+
 def _may_turn(unit: FloatArray) -> NDArray[np.bool_]:
     """Tell which polynomials on [0, 1] are not proven monotone by their Bernstein form."""
-    q = len(unit) - 2
-    if q < 1:
+    if len(unit) < 3:
         return np.zeros(unit.shape[1], dtype=bool)
-    slope = _slope(unit)
-    # Bernstein coefficient i is the sum over j of C(i, j) / C(q, j) times power coefficient j.
-    basis = np.array([[comb(i, j) / comb(q, j) for j in range(q + 1)] for i in range(q + 1)])
-    bernstein = basis @ slope
+    bernstein = _bernstein(_slope(unit))
     return np.asarray((bernstein.min(axis=0) < 0.0) & (bernstein.max(axis=0) > 0.0))
 
 

@@ -14,7 +14,7 @@ from .checks import positive, whole
 from .derivatives import derivative_number
 from .frozen import Frozen
 from .limits import Limits, of_one
-from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extrema
+from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extremes
 from .real_numbers import real_array
 from .trajectory_checks import check_shapes, check_times, finite_array
 
@@ -209,11 +209,10 @@ class PiecewisePolynomial(Frozen):
             return 0.0, 0.0
         if not len(self.states):
             return float(self.end_state[k]), float(self.end_state[k])
-        low, high = extrema(self.durations, self.states[:, k:].T)
-        return float(low.min()), float(high.max())
+        return extremes(self.durations, self.states[:, k:].T)
 
     def peak(self, derivative: int | str) -> float:
-        """Return the exact largest magnitude of a derivative, from the polynomials' extrema."""
+        """Return the exact largest magnitude of a derivative, from the polynomials' extremes."""
         low, high = self.extremes(derivative)
         return max(0.0, high, -low)
 

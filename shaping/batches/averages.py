@@ -24,7 +24,7 @@ ORDERS = (1, 2, 3)
 """Those that averages are taken of."""
 
 _SAME_TIME = 1e-14  # of the shortest piece or average: breaks nearer than that are one
-_MISSED = 1e-12  # of the distance, or of a bound: more than rounding
+_MISSED = 1e-12  # of the distance: more than rounding
 _ROUNDING = 1e-15  # of its peak: a derivative between two pieces that is zero but for rounding
 
 
@@ -52,8 +52,6 @@ def averaged_move(distance: float, limits: Limits) -> Trajectory | None:
     move = Trajectory.from_arrays(
         breaks, np.ascontiguousarray(states.T), np.asarray(lengths, float), end
     )
-    if move.violation(ahead) > _MISSED:
-        return None
     return move if distance > 0.0 else move.mirror()
 
 

@@ -178,9 +178,19 @@ def test_a_bound_in_one_direction_proves_nothing():
     assert (proof.lower_bound, proof.gap, proof.reached) == (0.0, inf, False)
 
 
-def test_no_distance_needs_no_time():
-    limits = Limits(velocity=1.0, snap=5.0)
-    assert certify(min_time_move(0.0, limits), limits).gap == 0.0
+@pytest.mark.parametrize(
+    "limits",
+    [
+        Limits(velocity=1.0, snap=5.0),
+        Limits(velocity=(0.0, 1.0), snap=5.0),
+        Limits(acceleration=(-1.0, 2.0), jerk=9.0, position=(0.0, 1.0)),
+    ],
+)
+def test_no_distance_needs_no_time(limits):
+    proof = certify(min_time_move(0.0, limits), limits)
+    assert (proof.gap, proof.lower_bound, proof.check()) == (0.0, 0.0, True)
+    waiting = certify(min_time_move(0.0, limits).until(2.0), limits)
+    assert (waiting.gap, waiting.check()) == (inf, True)
 
 
 def test_what_is_refused():
