@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 from ...pieces import FloatArray
 from .problem import WholeProblem
 
+_CELLS = 16
+_SHORT = 0.5  # of a cell: what an end's derivatives take to vanish, to have cells of its own
+_SHORTEST = 1e-7  # of the duration
+_FINER = 2  # halvings of that
+
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
@@ -97,3 +102,18 @@ def first_sizes(problem: WholeProblem, time: float) -> FloatArray:
     sizes[n] = min(sizes[n], 64.0 * sizes[n - 1])
     sizes[:n] = np.maximum(sizes[:n], states)
     return np.asarray(sizes)
+
+
+def first_nodes(problem: WholeProblem, time: float) -> FloatArray:
+    """Return a grid before any motion is known: uniform, and as fine at an end as it moves there.
+
+    A cell there is to be no longer than what it takes to bring the end's derivatives to zero.
+    """
+    nodes = np.linspace(0.0, 1.0, _CELLS + 1)
+    bounds = np.minimum(np.abs(problem.lower), np.abs(problem.upper))[2:]
+    for state, sign in ((problem.start, 1.0), (problem.end, -1.0)):
+        needed = (np.abs(state[1:]) / np.maximum(bounds, 1e-300)).max() / max(time, 1e-300)
+        if 0.0 < needed < _SHORT / _CELLS:
+            doubled = max(needed, _SHORTEST) * 2.0 ** np.arange(-_FINER, 40)
+            nodes = np.union1d(nodes, (sign * doubled[doubled < 0.5 / _CELLS]) % 1.0)
+    return np.asarray(nodes)

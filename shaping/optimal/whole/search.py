@@ -35,10 +35,9 @@ from .relaxation import MeanRows
 from .relaxed_program import Relaxed, RelaxedProgram
 from .repair import Repaired, repaired
 from .restriction import MARGIN, hull_rows
-from .sampled import Sampled, are_near, first_sizes
+from .sampled import Sampled, are_near, first_nodes, first_sizes
 from .warm_program import Effort
 
-_CELLS = 16
 _MOST_CELLS = 180
 _MOST_INPUTS = 600  # of a relaxed program: with more the simplex method takes seconds
 _ROUNDS = 14
@@ -84,7 +83,7 @@ class Search:
         self.lower = self.chain[-1].high if self.chain else 0.0
         self.best: Repaired | None = None
         self.guide: Sampled | None = None
-        self.nodes = np.linspace(0.0, 1.0, _CELLS + 1) if nodes is None else nodes
+        self.nodes = first_nodes(problem, self.lower) if nodes is None else nodes
         self.dead_end: DeadEnd | None = None
         self.rounds = 0
         self.effort = Effort()
@@ -96,10 +95,10 @@ class Search:
             return inf
         return max(self.best.time / self.lower - 1.0, 0.0)
 
-    def run(self, rtol: float, rounds: int = _ROUNDS) -> None:
+    def run(self, rtol: float, rounds: int = _ROUNDS, effort: Effort | None = None) -> None:
         """Refine until the gap is at most `rtol`, no more comes of it, or the effort is spent."""
         first = self.lower
-        self.effort = Effort()
+        self.effort = effort or Effort()
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
             self._round(rtol)
             self.rounds += 1

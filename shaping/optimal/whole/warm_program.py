@@ -20,7 +20,7 @@ _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     {},
 )
 _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
-_EFFORT = 8e9  # of one search: ten seconds or so
+_EFFORT = 5e9  # of one search: five to ten seconds
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
 
@@ -112,8 +112,9 @@ class WarmProgram:
         limit = min(_ITERATIONS * (len(self.rows) + len(self.costs)), 1 + self._effort.left / size)
         set_options(self._highs, {"simplex_iteration_limit": int(limit)})
         self._highs.run()
-        iterations = max(self._highs.getInfo().simplex_iteration_count, 0)
-        self._effort.left -= (iterations + _OVERHEAD) * size
+        iterations = self._highs.getInfo().simplex_iteration_count
+        known = iterations >= 0  # not where it fails, which takes longest
+        self._effort.left -= ((iterations if known else limit) + _OVERHEAD) * size
         return self._ended("kOptimal") or self._ended("kUnknown")
 
     def _ended(self, status: str) -> bool:
