@@ -1,0 +1,6 @@
+"""The explorer: a loop and its moves on a page, shaped by hand, all computed here."""
+
+from .session import Session
+from .state import State, opened
+
+__all__ = ["Session", "State", "opened"]
