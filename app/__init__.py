@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from ..later import later
 
 if TYPE_CHECKING:
+    from .explorer import explore
     from .gate import CheckError, GateReport, check_scenario
     from .scenario import Scenario, ScenarioError, load_scenario
     from .scenario_survey import ScenarioSurvey, survey_file
@@ -17,6 +18,7 @@ _LATER = {
     "ScenarioError": "scenario",
     "ScenarioSurvey": "scenario_survey",
     "check_scenario": "gate",
+    "explore": "explorer",
     "load_scenario": "scenario",
     "survey_file": "scenario_survey",
 }
@@ -28,6 +30,7 @@ __all__ = [
     "ScenarioError",
     "ScenarioSurvey",
     "check_scenario",
+    "explore",
     "load_scenario",
     "survey_file",
 ]

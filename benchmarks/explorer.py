@@ -37,8 +37,8 @@ inertia = "2 kg m^2"
 viscous = "3 N m s/rad"
 torque_limit = "300 N m"
 modes = [
-    { name = "first", frequency = "61 Hz", damping = "0.6 %", motor_shape = 0.5, load_shape = -0.5 },
-    { name = "second", frequency = "140 Hz", damping = "1 %", motor_shape = 0.3, load_shape = 0.3 },
+    { frequency = "61 Hz", damping = "0.6 %", motor_shape = 0.5, load_shape = -0.5 },
+    { frequency = "140 Hz", damping = "1 %", motor_shape = 0.3, load_shape = 0.3 },
 ]
 [controller]
 gains = { kp = "2000 N m/rad", ki = "2e4 N m/(rad s)", kr = "60 N m s/rad" }
@@ -55,10 +55,16 @@ name = "turn"
 distance = "100 mrad"
 settle_to = "0.05 mrad"
 """
-FLAGS = (
-    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
-).split()
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 HANDLE = '[data-handle="controller.filters[0]"]'
 
 

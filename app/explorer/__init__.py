@@ -2,5 +2,6 @@
 
 from .session import Session
 from .state import State, opened
+from .widget import Explorer, explore
 
-__all__ = ["Session", "State", "opened"]
+__all__ = ["Explorer", "Session", "State", "explore", "opened"]

@@ -63,7 +63,6 @@ class Mailbox:
                 return
         await self._send({"part": "done", "id": last.get("id")})
 
-
     async def _rest(self) -> None:
         """Wait until the hand seems to rest, or a message comes."""
         with suppress(TimeoutError):

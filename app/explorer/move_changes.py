@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf
 from typing import Any
 
 from ...shaping.derivatives import DERIVATIVE_NAMES
@@ -65,9 +64,8 @@ def _new_limit(state: State, k: int) -> str:
     """Return a limit on derivative k: what the move has, or what it needs to get there soon."""
     trajectory = planned_of(state)
     assert trajectory is not None
-    value = trajectory.peak(k) if k <= trajectory.order else 0.0
-    if not 0.0 < value < inf:
-        value = trajectory.peak(k - 1) / (_SHARE * trajectory.duration)
+    known = min(k, trajectory.order)
+    value = trajectory.peak(known) / (_SHARE * trajectory.duration) ** (k - known)
     unit = _UNITS[state.scenario.motion]
     per = f"{unit}/s" if k == 1 else f"{unit}/s^{k}"
     return said(float(f"{convert(value, unit):.3g}"), per)

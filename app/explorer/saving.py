@@ -64,8 +64,9 @@ def text_with(text: str, opened: State, state: State) -> str:
     looked at.
     """
     told = differences(opened.content, state.content)
-    if "controller" in told:
-        told["controller"].setdefault("gains", state.content["controller"]["gains"])
+    rule = tomllib.loads(text)["controller"].get("gains", "design")
+    if "controller" in told and isinstance(rule, str):
+        told["controller"]["gains"] = state.content["controller"]["gains"]
     written = edited(text, told)
     return written if _is_read(opened.path, written) else _with_format(written)
 

@@ -16,7 +16,7 @@ from .responses import response_part, step_part
 from .saving import differences, merged, saved, text_with
 from .state import State, with_content
 from .verdicts import revision_of
-from .worst_case import worst_part
+from .worst_case import worst_parts
 
 Message = Mapping[str, Any]
 Part = dict[str, Any]
@@ -115,7 +115,7 @@ class Session:
         model = self._model(view)
         yield step_part(state, model)
         yield response_part(state, model)
-        yield worst_part(state)
+        yield from worst_parts(state)
         if self._proposal is not None:
             yield proposal_part(state, self._proposal)
 

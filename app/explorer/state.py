@@ -12,7 +12,7 @@ from typing import Any, Literal
 from ...analysis.measured import MeasuredResponse
 from ...plant import PID, CascadedPI, ServoLoop
 from ..overrides import override, parts_of
-from ..scenario import Scenario, scenario_of
+from ..scenario import Scenario, load_scenario, scenario_of
 from ..scenario_loop import servo_loop_of
 from ..text_files import read_toml
 from .quantities import gain_units, said
@@ -81,6 +81,7 @@ def opened(path: Path, *, measured: MeasuredResponse | None = None, name: str = 
     ValueError
         For a file that cannot be used, a line for every problem.
     """
+    load_scenario(path)  # with all that it says of a file
     return started(path, read_toml(path, "a scenario file (TOML)"), measured, name)
 
 

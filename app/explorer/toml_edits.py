@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import operator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -55,16 +56,20 @@ def _add(table: Any, key: str, value: Any) -> None:
 
 
 def _put_tables(tables: Any, values: list[Any]) -> None:
-    """Make a list of tables another; those that stay keep their comments."""
-    if len(tables) == len(values):
-        for own, one in zip(list(tables), values, strict=True):
-            plain = own.unwrap()
-            gone = {key: None for key in plain if key not in one}
-            new = {key: value for key, value in one.items() if plain.get(key) != value}
-            _put(own, gone | new, above=own)
+    """Make a list of tables another; those that stay keep their comments.
+
+    A table stays where it has the same values, else where it stands at the same place.
+    """
+    rest: list[Any] = list(tables)
+    places = list(rest)
+    kept = [_taken(rest, lambda own, one=one: own.unwrap() == one) for one in values]
+    for at, one in enumerate(values):
+        if kept[at] is None and at < len(places):
+            kept[at] = _taken(rest, lambda own, at=at: own is places[at])
+            if kept[at] is not None:
+                _put(kept[at], _changes(kept[at].unwrap(), one), above=kept[at])
+    if len(kept) == len(places) and all(map(operator.is_, kept, places)):
         return
-    rest = list(tables)
-    kept = [_taken(rest, one) for one in values]
     while len(tables):
         del tables[0]
     for own, one in zip(kept, values, strict=True):
@@ -73,12 +78,15 @@ def _put_tables(tables: Any, values: list[Any]) -> None:
         tables.append(_table(one) if own is None else own)
 
 
-def _taken(rest: list[Any], value: Any) -> Any:
-    """Take a table of this value out of a list and return it; None where there is none."""
-    for at, own in enumerate(rest):
-        if own.unwrap() == value:
-            return rest.pop(at)
-    return None
+def _taken(rest: list[Any], is_it: Callable[[Any], bool]) -> Any:
+    """Take the first that is it out of a list and return it; None where none is."""
+    at = next((at for at, own in enumerate(rest) if is_it(own)), None)
+    return None if at is None else rest.pop(at)
+
+
+def _changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    gone = {key: None for key in before if key not in after}
+    return gone | {key: value for key, value in after.items() if before.get(key) != value}
 
 
 def _blank() -> tuple[None, Any]:
@@ -92,6 +100,11 @@ def _is_tables(item: Any) -> bool:
 def _item(value: Any) -> Any:
     """Return a value as it stands on one line."""
     tomlkit = needed("tomlkit")
+    if isinstance(value, list):
+        array = tomlkit.array()
+        for one in value:
+            array.append(_item(one))
+        return array
     if not isinstance(value, Mapping):
         return tomlkit.item(value)
     table = tomlkit.inline_table()

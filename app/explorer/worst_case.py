@@ -26,19 +26,24 @@ NAMES = {
 """Margins that have a worst case, each with what picks it."""
 
 
-def worst_part(state: State) -> dict[str, Any]:
-    """Return the worst of each margin over the corners of what is uncertain.
+def worst_parts(state: State) -> Iterator[dict[str, Any]]:
+    """Yield "more" for each corner of what is uncertain, then the worst of each margin.
 
     L is taken times 1/(1 ± the inertia's error), which is exact for an inertia that is free, and
-    with the delay's error added. Nothing, where neither is off.
+    with the delay's error added. Nothing is worst, where neither is off.
     """
-    corners = list(_corners(state))
-    if not corners:
-        return {"part": "worst", "stable": None, "margins": {}}
+    corners: list[Margins] = []
+    for margins in _corners(state):
+        corners.append(margins)
+        yield {"part": "more"}
+    yield {"part": "worst", **(_worst(corners) if corners else {"stable": None, "margins": {}})}
+
+
+def _worst(corners: list[Margins]) -> dict[str, Any]:
     stable = all(margins.stable is not False for margins in corners)
     worst = {name: pick(_values(corners, name)) for name, pick in NAMES.items()}
     shown = {name: value if isfinite(value) else None for name, value in worst.items()}
-    return {"part": "worst", "stable": stable, "margins": shown if stable else {}}
+    return {"stable": stable, "margins": shown if stable else {}}
 
 
 def _values(corners: list[Margins], name: str) -> list[float]:

@@ -496,7 +496,6 @@ class Explorer {
 
   saved(part) {
     this.tell(`Saved ${part.file}.`, "good");
-    if (this.model.get("file") === "") download("explored.toml", part.text, "application/toml");
   }
 
   // For screen readers, once things are at rest.
@@ -514,7 +513,8 @@ class Explorer {
     this.heading = make("h1", {}, "jounce explorer");
     this.undo = button("Undo", () => this.change({ kind: "undo" }), { title: "Ctrl Z" });
     this.redo = button("Redo", () => this.change({ kind: "redo" }), { title: "Ctrl Y" });
-    this.save = button("Save", () => this.change({ kind: "save" }), { title: "Ctrl S" });
+    this.save = button("Save", () => this.keep(), { title: "Ctrl S" });
+    this.name = make("input", { type: "text", "aria-label": "file to save to", size: 22 });
     this.tabs = ["loop", "move"].map((view) =>
       button(view === "loop" ? "Loop" : "Move", () => this.look(view), { role: "tab", "data-view": view }),
     );
@@ -538,7 +538,8 @@ class Explorer {
       {},
       this.heading,
       make("span", { class: "group", role: "tablist" }, ...this.tabs),
-      make("span", { class: "group" }, this.undo, this.redo, this.save),
+      make("span", { class: "group" }, this.undo, this.redo),
+      make("span", { class: "group" }, this.name, this.save),
       make(
         "span",
         { class: "group" },
@@ -757,6 +758,7 @@ class Explorer {
       this.model.set("link", status.link === "{}" ? "" : status.link);
       this.model.save_changes();
     }
+    this.name.value ||= status.file;
     this.save.classList.toggle("main", status.changed);
     this.undo.disabled = !status.undo;
     this.redo.disabled = !status.redo;
@@ -1193,6 +1195,10 @@ class Explorer {
     else rastered(text, width, height, (blob) => download(`${name}.png`, blob, "image/png"));
   }
 
+  keep() {
+    this.change({ kind: "save", name: this.name.value });
+  }
+
   key(event) {
     if (!(event.ctrlKey || event.metaKey)) return;
     const typing = event.target.matches?.('input[type="text"]');
@@ -1200,7 +1206,8 @@ class Explorer {
     const kind = acts[event.key.toLowerCase()];
     if (!kind || (typing && kind !== "save")) return;
     event.preventDefault();
-    this.change({ kind });
+    if (kind === "save") this.keep();
+    else this.change({ kind });
   }
 }
 
