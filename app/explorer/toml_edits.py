@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -62,10 +62,10 @@ def _put_tables(tables: Any, values: list[Any]) -> None:
     """
     rest: list[Any] = list(tables)
     places = list(rest)
-    kept = [_taken(rest, lambda own, one=one: own.unwrap() == one) for one in values]
+    kept = [_taken(rest, [own.unwrap() == one for own in rest]) for one in values]
     for at, one in enumerate(values):
         if kept[at] is None and at < len(places):
-            kept[at] = _taken(rest, lambda own, at=at: own is places[at])
+            kept[at] = _taken(rest, [own is places[at] for own in rest])
             if kept[at] is not None:
                 _put(kept[at], _changes(kept[at].unwrap(), one), above=kept[at])
     if len(kept) == len(places) and all(map(operator.is_, kept, places)):
@@ -78,10 +78,9 @@ def _put_tables(tables: Any, values: list[Any]) -> None:
         tables.append(_table(one) if own is None else own)
 
 
-def _taken(rest: list[Any], is_it: Callable[[Any], bool]) -> Any:
+def _taken(rest: list[Any], is_it: list[bool]) -> Any:
     """Take the first that is it out of a list and return it; None where none is."""
-    at = next((at for at, own in enumerate(rest) if is_it(own)), None)
-    return None if at is None else rest.pop(at)
+    return rest.pop(is_it.index(True)) if True in is_it else None
 
 
 def _changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:

@@ -415,11 +415,13 @@ class Explorer {
     this.model.on("lost", lost);
     this.model.on("open", open);
     const keys = (event) => this.key(event);
-    this.el.addEventListener("keydown", keys);
+    const around = this.model.get("notebook") ? this.el : document;
+    around.addEventListener("keydown", keys);
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const changed = () => this.theme(this.themed);
     dark.addEventListener("change", changed);
     this.leave = () => {
+      around.removeEventListener("keydown", keys);
       this.model.off("msg:custom", come);
       this.model.off("lost", lost);
       this.model.off("open", open);
@@ -760,8 +762,9 @@ class Explorer {
     }
     this.name.value ||= status.file;
     this.save.classList.toggle("main", status.changed);
-    this.undo.disabled = !status.undo;
-    this.redo.disabled = !status.redo;
+    // Not `disabled`, which would take the focus away.
+    this.undo.setAttribute("aria-disabled", String(!status.undo));
+    this.redo.setAttribute("aria-disabled", String(!status.redo));
     this.source.value = status.source;
     this.source.disabled = !status.data;
     this.dataName.textContent = status.data || "none is open";
