@@ -124,6 +124,7 @@ def benchmarks() -> str:
         "response",
         "loops",
         "margins",
+        "explorer",
         "fmu",
         "startup",
     ):

@@ -6,9 +6,14 @@ import shutil
 import threading
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
+from explored import NOTCH
 
+from jounce.analysis import loop_margins
+from jounce.app import load_scenario
 from jounce.app.explorer.server import Server
+from jounce.app.scenario_loop import servo_loop_of
 
 FLAGS = [
     "--headless",
@@ -23,6 +28,7 @@ FLAGS = [
 CHROMIUM = shutil.which("chromium")
 REQUIRED = os.environ.get("JOUNCE_BROWSER") == "required"
 WAIT_MS = 30_000
+HANDLE = f'[data-handle="{NOTCH}"]'
 
 
 def missing():
@@ -38,9 +44,17 @@ def missing():
     return ""
 
 
-def needs_browser():
-    """Skip a module's tests without a browser; fail instead where one is required."""
+def needs_browser(*, whole=False):
+    """Skip a module's tests without a browser; fail instead where one is required.
+
+    Parameters
+    ----------
+    whole : bool
+        Whether they are more than the fast tier has time for.
+    """
     why = missing()
+    if whole and not (REQUIRED or os.environ.get("JOUNCE_TIER") == "slow"):
+        why = why or "`make test-browser` has all of it"
     if why and not REQUIRED:
         pytest.skip(f"the explorer in a browser: {why}", allow_module_level=True)
     assert not why, f"JOUNCE_BROWSER=required: {why}"
@@ -122,3 +136,23 @@ def shown(page, name="phase_margin_deg"):
     """Return a margin on the page, to all digits; nan where there is none."""
     value = page.get_attribute(f'tr[data-margin="{name}"] td.now', "data-value")
     return float(value) if value else float("nan")
+
+
+def margins(path, **values):
+    return loop_margins(servo_loop_of(load_scenario(path, overrides=values)))
+
+
+def field(page, key):
+    return page.input_value(f'input[data-key="{key}"]')
+
+
+def drag(page, by, up=0.0):
+    """Drag the notch across and up by pixels."""
+    box = page.locator(f"{HANDLE} .dot").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for share in np.linspace(0.2, 1.0, 5):
+        page.mouse.move(x + share * by, y - share * up)
+    page.mouse.up()
+    at_rest(page)

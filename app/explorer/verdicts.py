@@ -92,6 +92,7 @@ def judged(margins: Margins, revision: Revision) -> list[dict[str, Any]]:
                 "unit": unit,
                 "value": finite_or_none(value),
                 "shown": _shown(margins, name),
+                "worst": finite_or_none(getattr(margins, f"{name}_worst", nan)),
                 "at_hz": finite_or_none(getattr(margins, place) if place else nan),
                 "was": "" if row is None else _short(row.was),
                 "allowed": "" if row is None else _allowed(revision, row.key),
@@ -121,12 +122,9 @@ def finite_or_none(value: float) -> float | None:
 
 
 def _shown(margins: Margins, name: str) -> str:
-    value = getattr(margins, name)
-    sigma, worst = (getattr(margins, f"{name}_{part}", nan) for part in ("sigma", "worst"))
-    text = "none" if not isfinite(value) else f"{value:.4g}"
-    if isfinite(sigma):
-        text += f" ± {sigma:.2g}"
-    return text + (f" (worst {worst:.4g})" if isfinite(worst) else "")
+    value, sigma = getattr(margins, name), getattr(margins, f"{name}_sigma", nan)
+    text = f"{value:.4g}" if isfinite(value) else "none"
+    return f"{text} ± {sigma:.2g}" if isfinite(sigma) else text
 
 
 def _short(value: float | None) -> str:

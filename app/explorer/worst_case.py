@@ -30,7 +30,8 @@ def worst_parts(state: State) -> Iterator[dict[str, Any]]:
     """Yield "more" for each corner of what is uncertain, then the worst of each margin.
 
     L is taken times 1/(1 ± the inertia's error), which is exact for an inertia that is free, and
-    with the delay's error added. Nothing is worst, where neither is off.
+    with the delay's error added; of data the worst is that within the circles as well. Nothing is
+    worst, where neither is off.
     """
     corners: list[Margins] = []
     for margins in _corners(state):
@@ -47,7 +48,7 @@ def _worst(corners: list[Margins]) -> dict[str, Any]:
 
 
 def _values(corners: list[Margins], name: str) -> list[float]:
-    found = [getattr(margins, name) for margins in corners]
+    found = [getattr(each, f"{name}_worst", getattr(each, name)) for each in corners]
     return [value for value in found if value == value] or [nan]
 
 

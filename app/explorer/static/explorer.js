@@ -146,7 +146,12 @@ class Plot {
     this.svg.append(this.drawn, this.held);
     this.clip = `clip-${Math.random().toString(36).slice(2)}`;
     this.seen = false;
-    new ResizeObserver(() => this.paint()).observe(this.svg);
+    // Sizes are told, not asked for: asking makes the browser lay the page out at once.
+    [this.width, this.height] = [0, 0];
+    new ResizeObserver(([entry]) => {
+      ({ width: this.width, height: this.height } = entry.contentRect);
+      this.paint();
+    }).observe(this.svg);
     new IntersectionObserver(([entry]) => this.see(entry.isIntersecting), { rootMargin: "200px" }).observe(this.svg);
   }
 
@@ -168,7 +173,7 @@ class Plot {
   // What is out of sight is painted once it comes into it, or for a picture.
   paint(always = false) {
     this.stale = !(this.seen || always);
-    const { width, height } = this.svg.getBoundingClientRect();
+    const { width, height } = this;
     if (this.stale || !this.spec || width < 10) return;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.scale(width, height);
@@ -177,7 +182,6 @@ class Plot {
   }
 
   scale(width, height) {
-    [this.width, this.height] = [width, height];
     let { x: [x0, x1], y: [y0, y1] } = this.spec;
     const wide = width - EDGE.left - EDGE.right;
     const high = height - EDGE.top - EDGE.bottom;
@@ -482,6 +486,15 @@ class Explorer {
     this.wire.answered(part.id);
     this.el.dataset.idle = String(!this.wire.busy);
     if (!this.wire.busy) this.say();
+    this.link();
+  }
+
+  // Once things are at rest: a browser takes its time over an address.
+  link() {
+    const link = this.status.link === "{}" ? "" : this.status.link;
+    if (this.model.get("link") === undefined || this.model.get("link") === link) return;
+    this.model.set("link", link);
+    this.model.save_changes();
   }
 
   change(message) {
@@ -564,8 +577,9 @@ class Explorer {
     this.verdict = make("p", { class: "verdict" });
     this.table = make("tbody");
     this.before = make("th", { scope: "col" }, "was");
-    const head = ["", "now", "at [Hz]", "at worst"].map((name) => make("th", { scope: "col" }, name));
-    const may = make("th", { scope: "col" }, "may be");
+    const head = ["", "now", "may be", "at worst", "at [Hz]"].map((name) =>
+      make("th", { scope: "col" }, name),
+    );
     this.notes = make("ul", { class: "notes" });
     const margins = make(
       "section",
@@ -575,7 +589,7 @@ class Explorer {
       make(
         "table",
         {},
-        make("thead", {}, make("tr", {}, ...head, this.before, may)),
+        make("thead", {}, make("tr", {}, ...head, this.before)),
         this.table,
       ),
       this.notes,
@@ -680,7 +694,10 @@ class Explorer {
       type: "file",
       id: `file-${Math.random().toString(36).slice(2)}`,
       "aria-label": "measured response",
-      onchange: (event) => this.open(event.target.files[0]),
+      onchange: (event) => {
+        this.open(event.target.files[0]);
+        event.target.value = ""; // so that the same file may be opened again
+      },
     });
     this.dataName = make("p", { class: "quiet" });
     this.source = choice("margins are of", ["model", "data"]);
@@ -756,10 +773,6 @@ class Explorer {
       status.title,
       make("small", {}, `${status.file}${status.changed ? ", changed" : ""}`),
     );
-    if (this.model.get("link") !== undefined) {
-      this.model.set("link", status.link === "{}" ? "" : status.link);
-      this.model.save_changes();
-    }
     this.name.value ||= status.file;
     this.save.classList.toggle("main", status.changed);
     // Not `disabled`, which would take the focus away.
@@ -794,7 +807,7 @@ class Explorer {
   worst(part) {
     for (const line of this.table.rows) {
       const value = part.margins[line.dataset.margin];
-      line.querySelector(".worst").textContent = value === undefined ? "" : shown(value);
+      if (value !== undefined) line.querySelector(".worst").textContent = shown(value);
     }
     if (part.stable === false) {
       this.verdict.className = "verdict bad";
@@ -1129,8 +1142,7 @@ class Explorer {
   }
 
   proof(part) {
-    const shares = part.shares?.length ? `; a percent more of a limit saves: ${part.shares.join(", ")} of a percent` : "";
-    this.proven.textContent = part.text + shares.replaceAll(" %", " %");
+    this.proven.textContent = part.text;
   }
 
   count() {
@@ -1178,6 +1190,7 @@ class Explorer {
 
   async open(file) {
     if (!file) return;
+    this.el.dataset.idle = "false";
     const bytes = new Uint8Array(await file.arrayBuffer());
     let text = "";
     for (let at = 0; at < bytes.length; at += 32768) text += String.fromCharCode(...bytes.subarray(at, at + 32768));
@@ -1222,12 +1235,12 @@ function marginRow(row) {
   return make(
     "tr",
     { class: `${row.verdict} ${row.fails ? "fails" : ""}`, "data-margin": row.name, title: row.verdict },
-    make("th", { scope: "row" }, row.label + unit),
+    make("th", { scope: "row" }, row.label, make("small", {}, unit)),
     make("td", { class: "now", "data-value": value }, row.shown),
-    make("td", {}, row.at_hz === null ? "" : shown(row.at_hz, 3)),
-    make("td", { class: "worst" }),
-    make("td", {}, row.was),
     make("td", {}, row.allowed),
+    make("td", { class: "worst" }, row.worst === null ? "" : shown(row.worst)),
+    make("td", {}, row.at_hz === null ? "" : shown(row.at_hz, 3)),
+    make("td", {}, row.was),
   );
 }
 
@@ -1257,7 +1270,7 @@ function yRange(columns, step, least = -Infinity, most = Infinity) {
   }
   if (low > high) [low, high] = [0, 1];
   if (low === high) [low, high] = low === 0 ? [-1, 1] : [low - Math.abs(low), high + Math.abs(high)];
-  const size = step ?? 10 ** Math.floor(Math.log10(high - low)) / 2;
+  const size = step ?? 10 ** Math.floor(Math.log10(high - low)) / 5;
   const room = step ? 0 : 0.04 * (high - low);
   low = Math.max(least, Math.floor((low - room) / size) * size);
   high = Math.min(most, Math.ceil((high + room) / size) * size);

@@ -72,8 +72,8 @@ def test_an_input_shaper_nulls_the_lowest_mode(session):
 
 def test_the_minimum_time_is_proven(session):
     proof = shown(session, until="proof")["proof"]
-    assert proof["gap"] < 1e-8
-    assert "minimum time" in proof["text"]
+    assert proof["gap"] < 1e-9
+    assert proof["text"].startswith("Proven: exactly the minimum time.")
 
 
 def test_torque_stands_beside_its_limit(session):
