@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, isfinite
+from math import inf, isfinite, nextafter
 from typing import Any, Literal
+
+import numpy as np
 
 from ...analysis.specification import Move
 from ...plant import PID, Axis, BackCalculation, CascadedPI, Clamp, ServoLoop
@@ -18,6 +20,7 @@ Content = dict[str, Any]
 _MOTION: Mapping[str, Literal["angle", "length"]] = {"rad": "angle", "m": "length"}
 _TORQUE = {"rad": "N m", "m": "N"}
 _INERTIA = {"rad": ("inertia", "kg m^2"), "m": ("mass", "kg")}
+_ROUNDING = 1e-13
 _STILL = {"name": "at rest", "rate": "0", "duration": "1 s"}  # a scenario asks for something
 
 
@@ -135,16 +138,25 @@ def _body(axis: Axis, unit: Unit, noun: tuple[str, str]) -> Content:
 
 
 def _transfer(transfer: Any) -> Content:
+    """Return coefficients, without leading ones that are rounding."""
     above, below = transfer.num_array[0, 0], transfer.den_array[0, 0]
-    return {"numerator": above.tolist(), "denominator": below.tolist()}
+    first = int(np.argmax(abs(above) > _ROUNDING * abs(above).max()))
+    return {"numerator": above[first:].tolist(), "denominator": below.tolist()}
+
+
+def _percent(share: float) -> str:
+    """Return a share in percent, so that it is read as it is: 0.7 is not 0.01 × 70."""
+    near = 100.0 * share
+    around = (near, nextafter(near, 0.0), nextafter(near, inf))
+    return said(next((each for each in around if 0.01 * each == share), near), "%")
 
 
 def _mode(mode: Any) -> Content:
     told: Content = {"frequency": said(mode.frequency_hz, "Hz")}
-    told["damping"] = said(100.0 * mode.damping, "%")
+    told["damping"] = _percent(mode.damping)
     if mode.load_fraction is None:
         return told | {"motor_shape": mode.motor_shape, "load_shape": mode.load_shape}
-    return told | {"load_fraction": said(100.0 * mode.load_fraction, "%"), "held": mode.held}
+    return told | {"load_fraction": _percent(mode.load_fraction), "held": mode.held}
 
 
 def _controller(loop: ServoLoop, unit: Unit) -> Content:
@@ -193,15 +205,15 @@ def _filter(element: Any) -> Content:
             "kind": "notch",
             "frequency": said(element.zero_hz, "Hz"),
             "pole_frequency": said(element.pole_hz, "Hz"),
-            "zero_damping": said(100.0 * element.zero_damping, "%"),
-            "pole_damping": said(100.0 * element.pole_damping, "%"),
+            "zero_damping": _percent(element.zero_damping),
+            "pole_damping": _percent(element.pole_damping),
         }
     if kind == "LeadLag":
         places = {"zero": element.zero_hz, "pole": element.pole_hz}
         return {"kind": "lead-lag", **{name: said(hz, "Hz") for name, hz in places.items()}}
     if kind == "LowPass":
-        told = {"kind": "low-pass", "corner": said(element.corner_hz, "Hz")}
-        return told | {"order": element.order, "damping": said(100.0 * element.damping, "%")}
+        told = {"kind": "low-pass", "corner": said(element.corner_hz, "Hz"), "order": element.order}
+        return told | ({"damping": _percent(element.damping)} if element.order == 2 else {})
     import control
 
     return {"kind": "transfer", **_transfer(control.tf(filter_system_of(element)))}

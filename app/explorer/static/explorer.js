@@ -131,6 +131,22 @@ function decades(low, high) {
   return found;
 }
 
+// Plots that are painted behind the frame that shows the numbers, each once.
+const waiting = new Set();
+
+function afterwards(plot) {
+  if (!waiting.size) {
+    requestAnimationFrame(() =>
+      setTimeout(() => {
+        const plots = [...waiting];
+        waiting.clear();
+        for (const each of plots) each.paint();
+      }),
+    );
+  }
+  waiting.add(plot);
+}
+
 class Plot {
   constructor(title, options = {}) {
     this.title = title;
@@ -162,7 +178,8 @@ class Plot {
     );
     this.caption.replaceChildren(spec.title ?? this.title, ...keys);
     this.svg.setAttribute("aria-label", `${this.title}: ${spec.told ?? ""}`);
-    this.paint();
+    if (this.options.grabbed) this.paint();
+    else afterwards(this);
   }
 
   see(seen) {
