@@ -14,6 +14,8 @@ from .server import Server
 from .session import Session
 from .state import opened
 
+_HIGHEST_PORT = 65535
+
 
 def serve_scenario(
     path: Path,
@@ -42,16 +44,22 @@ def serve_scenario(
     Raises
     ------
     ValueError
-        For files that cannot be used, before anything is served; without the extra.
-    OSError
-        For a port that is taken.
+        For files that cannot be used and a port that is taken, before anything is served; without
+        the extra.
     """
+    if not 0 <= port <= _HIGHEST_PORT:
+        raise ValueError(f"--port {port}: expected a number from 1 to {_HIGHEST_PORT}, or none")
     for package in ("websockets", "tomlkit"):
         needed(package)
     session = _maker(path, frf, kind)
     session()
-    with suppress(KeyboardInterrupt):
-        asyncio.run(Server(session, stay=stay).run(port, started))
+    try:
+        with suppress(KeyboardInterrupt):
+            asyncio.run(Server(session, stay=stay).run(port, started))
+    except OSError as error:
+        raise ValueError(
+            f"--port {port}: cannot be served on ({error.strerror}); give another, or leave it out"
+        ) from None
 
 
 def _maker(path: Path, frf: Path | None, kind: str) -> Callable[[], Session]:

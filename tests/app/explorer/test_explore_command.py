@@ -1,5 +1,6 @@
 """The command `jounce explore`, and what is said without the extra."""
 
+import socket
 import sys
 
 import pytest
@@ -33,6 +34,19 @@ def test_a_wrong_file_is_told_before_anything_is_served(run, tmp_path, text, say
     status, out, err = run("explore", written(tmp_path, text), "--no-browser")
     assert (status, out) == (2, "")
     assert any(says in line for line in err)
+
+
+def test_a_port_that_cannot_be_is_told(run, tmp_path):
+    pytest.importorskip("websockets")
+    path = written(tmp_path)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        number = taken.getsockname()[1]
+        for port in (number, 99999):
+            status, out, err = run("explore", path, "--no-browser", "--port", port)
+            assert (status, out, len(err)) == (2, "", 1)
+            assert f"--port {port}" in err[0]
 
 
 def test_it_prints_its_address_and_opens_the_browser(run, tmp_path, monkeypatch):
