@@ -17,7 +17,7 @@ BROAD := tests/test_packaging.py tests/test_public_names.py \
 	tests/fmu/cosimulation tests/app/gate tests/app/test_command_line.py \
 	tests/app/test_raw_output.py tests/app/test_units.py
 
-.PHONY: survey test test-slow test-sanitize test-lowest test-newest check check-core wheel format
+.PHONY: survey test test-slow test-browser test-sanitize test-lowest test-newest check check-core wheel format
 .PHONY: benchmark readme docs clean
 
 survey: $(VENV)/.installed
@@ -29,6 +29,10 @@ test: $(VENV)/.installed-dev
 # The same tests with many more random problems, and without a fixed seed.
 test-slow: $(VENV)/.installed-dev
 	JOUNCE_TIER=slow $(PYTEST)
+
+# The explorer's whole page, in Chromium, which has to be on the path.
+test-browser: $(VENV)/.installed-dev
+	JOUNCE_BROWSER=required $(BIN)/python -m pytest tests/app/explorer/test_whole_page.py
 
 # Random problems in C under sanitizers; what fails is printed so that Python can try it.
 CC := $(or $(shell command -v gcc || command -v clang),$(BIN)/python -m ziglang cc)
@@ -95,7 +99,7 @@ readme: $(VENV)/.installed-dev
 	$(BIN)/python docs/gallery.py
 
 benchmark: $(VENV)/.installed-dev
-	$(BIN)/python $(INSTALL) ".[benchmark,peers]"
+	$(BIN)/python $(INSTALL) ".[benchmark,explore,peers]"
 	$(BIN)/python -m compileall -q jounce core shaping plant fmu analysis plots app # or imports are timed with their compilation
 	$(BIN)/python docs/readme.py benchmarks
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from ..later import later
 
 if TYPE_CHECKING:
+    from .explorer import explore
     from .gate import CheckError, GateReport, check_scenario
     from .scenario import Scenario, ScenarioError, load_scenario
     from .scenario_survey import ScenarioSurvey, survey_file
@@ -24,6 +25,7 @@ _LATER = {
     "ScenarioSweep": "sweeps.result",
     "Uniform": "sweeps.parameters",
     "check_scenario": "gate",
+    "explore": "explorer",
     "load_scenario": "scenario",
     "survey_file": "scenario_survey",
     "sweep": "sweeps.run",
@@ -40,6 +42,7 @@ __all__ = [
     "ScenarioSweep",
     "Uniform",
     "check_scenario",
+    "explore",
     "load_scenario",
     "survey_file",
     "sweep",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .check_command import CHECK_FAILED, OVERRIDES, check_command
+from .explore_command import explore_command
 from .export_commands import export_app
 from .fmu_commands import fmu_app
 from .frf_command import frf_command
@@ -34,6 +35,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("check")(check_command)
+app.command("explore")(explore_command)
 app.command("frf")(frf_command)
 app.command("sweep")(sweep_command)
 app.add_typer(fmu_app, name="fmu")

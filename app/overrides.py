@@ -77,7 +77,7 @@ def override(content: dict[str, Any], overrides: Mapping[str, Any]) -> dict[Plac
     placed: dict[Place, str] = {}
     for key, value in overrides.items():
         value = value.item() if isinstance(value, np.generic) else value
-        table, place = _find(content, _parts(key), key)
+        table, place = _find(content, parts_of(key), key)
         if place in placed:
             raise ValueError(f"override {key}: is given twice; give it once")
         table[place[-1]] = deepcopy(value)
@@ -93,7 +93,7 @@ def _value(text: str) -> Any:
     return content["value"] if len(content) == 1 else text
 
 
-def _parts(key: object) -> list[str | int]:
+def parts_of(key: object) -> list[str | int]:
     """Return the parts of a key: names, and numbers of entries."""
     parts: list[str | int] = []
     rest = f".{key.strip()}" if isinstance(key, str) else "."

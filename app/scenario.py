@@ -163,7 +163,16 @@ def load_scenario(
 def scenario_of(
     path: Path, content: dict[str, Any], overrides: Mapping[str, Any] | None = None
 ) -> Scenario:
-    """Return the scenario of a file's content, into which the overrides are put."""
+    """Return the scenario that a file's content makes, as `load_scenario` does.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file; what the scenario names is looked for beside it.
+    content : dict
+        As TOML has it; it is changed.
+    overrides : mapping of str to object, optional
+    """
     try:
         placed = override(content, overrides or {})
     except ValueError as error:

@@ -30,7 +30,7 @@ def shapers_of(shaper: ShaperSection, file: FileOf2) -> tuple[InputShaper, ...]:
 def _mode(name: str, file: FileOf2) -> tuple[float, float]:
     """Return frequency and damping of a mode of the file."""
     known = {mode.name: (mode.frequency, mode.damping / 100.0) for mode in file.modes}
-    known |= {mode.name: _held(mode) for mode in file.plant.modes if mode.name is not None}
+    known |= {mode.name: held_mode(mode) for mode in file.plant.modes if mode.name is not None}
     if name not in known:
         near = get_close_matches(name, known, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
@@ -39,7 +39,7 @@ def _mode(name: str, file: FileOf2) -> tuple[float, float]:
     return known[name]
 
 
-def _held(mode: ModeSection) -> tuple[float, float]:
+def held_mode(mode: ModeSection) -> tuple[float, float]:
     """Return a mode of the plant as it is with the motor held, which a stiff loop does."""
     if mode.held or mode.load_fraction is None:
         return mode.frequency, mode.damping

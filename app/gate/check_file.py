@@ -92,7 +92,11 @@ def load_checks(path: Path, numbers: Sequence[Number]) -> Checks:
         If the file cannot be read, or for what it says: a line for every problem, with the
         file, the key, the value, and what to write.
     """
-    content = read_check_file(path)
+    return checks_of(path, read_check_file(path), numbers)
+
+
+def checks_of(path: Path, content: dict[str, Any], numbers: Sequence[Number]) -> Checks:
+    """Return what a check file's content asks, as `load_checks` does; the content is changed."""
     if isinstance(content.get("baseline"), bool):
         del content["baseline"]
     problems: list[str] = []

@@ -1,0 +1,38 @@
+"""The command `jounce explore`: a scenario's loop and moves on a page in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .printing import print_parts
+
+
+def explore_command(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    frf: Annotated[
+        Path | None, typer.Option(help="Measured response to lay over the model.")
+    ] = None,
+    kind: Annotated[
+        str,
+        typer.Option(
+            help="What it is of: plant, loop, sensitivity, process-sensitivity, complementary."
+        ),
+    ] = "plant",
+    port: Annotated[int, typer.Option(help="Port on this machine; any that is free.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    stay: Annotated[bool, typer.Option("--stay", help="Go on when the page is closed.")] = False,
+) -> None:
+    """Open a page to shape a scenario's loop and moves in; it ends with the page, or Ctrl-C."""
+    from .explorer.serving import serve_scenario
+
+    def started(address: str) -> None:
+        print_parts(f"{address}\nclose the page, or press Ctrl-C, to end")
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve_scenario(scenario, frf=frf, kind=kind, port=port, stay=stay, started=started)

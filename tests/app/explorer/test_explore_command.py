@@ -1,0 +1,65 @@
+"""The command `jounce explore`, and what is said without the extra."""
+
+import socket
+import sys
+
+import pytest
+from explored import written
+
+from jounce.app import explore
+from jounce.app.explorer import serving
+
+
+def test_without_the_extra_one_line_names_what_installs_it(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "websockets", None)
+    status, out, err = run("explore", written(tmp_path), "--no-browser")
+    assert (status, out, len(err)) == (2, "", 1)
+    assert "websockets" in err[0]
+    assert "python -m pip install 'jounce[explore]'" in err[0]
+
+
+def test_in_a_notebook_without_the_extra_it_says_so_too(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "anywidget", None)
+    with pytest.raises(ValueError, match=r"anywidget.*pip install 'jounce\[explore\]'"):
+        explore(written(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [("plant = 3", "plant"), ("not toml", "not TOML"), ("", "holds no scenario")],
+)
+def test_a_wrong_file_is_told_before_anything_is_served(run, tmp_path, text, says):
+    pytest.importorskip("websockets")
+    pytest.importorskip("tomlkit")
+    status, out, err = run("explore", written(tmp_path, text), "--no-browser")
+    assert (status, out) == (2, "")
+    assert any(says in line for line in err)
+
+
+def test_a_port_that_cannot_be_is_told(run, tmp_path):
+    pytest.importorskip("websockets")
+    path = written(tmp_path)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        number = taken.getsockname()[1]
+        for port in (number, 99999):
+            status, out, err = run("explore", path, "--no-browser", "--port", port)
+            assert (status, out, len(err)) == (2, "", 1)
+            assert f"--port {port}" in err[0]
+
+
+def test_it_prints_its_address_and_opens_the_browser(run, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+
+    def serve(path, *, started, **options):
+        assert path.suffix == ".toml"
+        started("http://127.0.0.1:1/token/")
+        assert options == {"frf": None, "kind": "plant", "port": 7, "stay": True}
+
+    monkeypatch.setattr(serving, "serve_scenario", serve)
+    status, out, _ = run("explore", written(tmp_path), "--port", "7", "--stay")
+    assert status == 0
+    assert out.startswith("http://127.0.0.1:1/token/")
+    assert opened == ["http://127.0.0.1:1/token/"]

@@ -1,0 +1,178 @@
+"""The whole page: keys, saving, wrong files, a lost connection, links, pictures, a phone."""
+
+import re
+
+import numpy as np
+import pytest
+from explored import EXAMPLES, NOTCH, SCENARIO, session_of, written
+from explorer_pages import HANDLE, Served, at_rest, drag, field, margins, needs_browser, shown
+from PIL import Image
+
+from jounce.app import load_scenario
+from jounce.app.scenario_loop import servo_loop_of
+
+needs_browser(whole=True)
+
+
+def test_the_keyboard_alone_is_enough(page, path):
+    page.focus(HANDLE)
+    for key in ("ArrowRight", "ArrowRight", "ArrowDown", "+"):
+        page.keyboard.press(key)
+    at_rest(page)
+    told = page.get_attribute(HANDLE, "aria-valuetext")
+    assert told.startswith("74.91 Hz")
+    assert field(page, f"{NOTCH}.frequency") == "74.909 Hz"
+    assert page.evaluate("document.activeElement.dataset.handle") == NOTCH
+    page.keyboard.press("Control+s")
+    at_rest(page)
+    assert load_scenario(path).controller.filters[0].frequency == pytest.approx(74.909)
+    page.keyboard.press("Delete")
+    at_rest(page)
+    assert page.locator(HANDLE).count() == 0
+    page.keyboard.press("Control+z")
+    at_rest(page)
+    assert page.locator(HANDLE).count() == 1
+
+
+def test_everything_that_can_be_used_has_a_name(page):
+    without = page.evaluate(
+        """[...document.querySelectorAll('button, input, select, [role=slider], [role=img]')]
+        .filter((each) => !(each.getAttribute('aria-label') || each.textContent.trim()
+            || each.closest('label')?.textContent.trim()))
+        .map((each) => each.outerHTML)"""
+    )
+    assert without == []
+    assert page.get_attribute("html", "lang") == "en"
+
+
+def test_saving_keeps_the_comments(page, path):
+    drag(page, 30)
+    frequency = field(page, f"{NOTCH}.frequency")
+    page.click("button:text-is('Save')")
+    at_rest(page)
+    page.wait_for_selector("text=Saved two_modes.toml")
+    assert path.read_text() == SCENARIO.replace('"72 Hz"', f'"{frequency}"')
+
+
+def test_a_value_that_cannot_be_is_told_and_goes_back(page):
+    page.fill('input[data-key="plant.inertia"]', "-2 kg m^2")
+    page.keyboard.press("Tab")
+    at_rest(page)
+    assert "out of range" in page.inner_text("[role=alert]")
+    assert field(page, "plant.inertia") == "2 kg m^2"
+    page.fill('input[data-key="plant.inertia"]', "3")
+    page.keyboard.press("Tab")
+    at_rest(page)
+    assert "no unit" in page.inner_text("[role=alert]")
+
+
+def test_a_wrong_file_is_told_and_a_right_one_is_shown(page, path):
+    page.set_input_files(
+        "input[type=file]", {"name": "a.csv", "mimeType": "text/csv", "buffer": b"1;2"}
+    )
+    at_rest(page)
+    assert "a.csv" in page.inner_text("[role=alert]")
+    loop = servo_loop_of(load_scenario(path)).loop_transfer()
+    lines = np.geomspace(0.5, 500.0, 60)
+    values = np.array([loop(point) for point in np.exp(2j * np.pi * lines * 0.25e-3)])
+    rows = [
+        f"{f!r},{v.real!r},{v.imag!r}" for f, v in zip(lines.tolist(), values.tolist(), strict=True)
+    ]
+    content = "\n".join(["frequency [Hz],real,imag", *rows]).encode()
+    page.select_option("[aria-label='what was measured']", "loop")
+    page.set_input_files(
+        "input[type=file]", {"name": "b.csv", "mimeType": "text/csv", "buffer": content}
+    )
+    at_rest(page)
+    assert page.input_value("[aria-label='margins are of']") == "data"
+    assert shown(page) == pytest.approx(margins(path).phase_margin_deg, abs=1.0)
+
+
+def test_a_lost_connection_is_told_and_what_was_changed_comes_back(page, served):
+    drag(page, 30)
+    frequency, margin = field(page, f"{NOTCH}.frequency"), shown(page)
+    served.stop()
+    page.wait_for_selector("text=The connection is lost")
+    served.again()
+    page.wait_for_selector("text=The connection is lost", state="hidden")
+    page.wait_for_function("document.querySelector('#explorer').dataset.idle === 'true'")
+    at_rest(page)
+    assert field(page, f"{NOTCH}.frequency") == frequency
+    assert shown(page) == margin
+
+
+def test_the_address_holds_the_state(page, browser):
+    drag(page, 30)
+    frequency = field(page, f"{NOTCH}.frequency")
+    assert "#" in page.url
+    other = browser.new_page()
+    other.goto(page.url)
+    at_rest(other)
+    assert field(other, f"{NOTCH}.frequency") == frequency
+    other.close()
+
+
+def test_the_move_and_its_limits(page):
+    page.click("[data-view=move]")
+    at_rest(page)
+    before = page.inner_text('tr[data-figure="duration"] td')
+    page.fill('input[data-key="limits.axis.jerk"]', "100 rad/s^3")
+    page.keyboard.press("Tab")
+    at_rest(page)
+    assert page.inner_text('tr[data-figure="duration"] td') != before
+    caption = page.inner_text("figure:has(svg[aria-label^=jerk]) figcaption")
+    assert re.search(r"at its limit \d+ % of the time", caption)
+
+
+def test_pictures_are_whole(page, tmp_path):
+    with page.expect_download() as told:
+        page.click("button:text-is('SVG')")
+    told.value.save_as(tmp_path / "a.svg")
+    text = (tmp_path / "a.svg").read_text()
+    assert text.count("<g transform") > 8
+    assert "Open loop: gain" in text
+    with page.expect_download() as told:
+        page.click("button:text-is('PNG')")
+    told.value.save_as(tmp_path / "a.png")
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.width > 1500
+        assert len(picture.convert("L").resize((60, 60)).getcolors()) > 5
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_shows_all_without_scrolling_sideways(browser, served, scheme):
+    page = browser.new_page()
+    page.emulate_media(color_scheme=scheme)
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(served.address)
+    at_rest(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.get_attribute("#explorer", "data-theme") == scheme
+    page.close()
+
+
+def test_nothing_queues(page):
+    box = page.locator(f"{HANDLE} .dot").bounding_box()
+    x, y = box["x"] + 6, box["y"] + 6
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(60):
+        page.mouse.move(x + step, y)
+    page.mouse.up()
+    at_rest(page)
+    sent = page.evaluate("document.getElementById('explorer').jounce.wire.count")
+    assert sent < 60
+
+
+@pytest.mark.parametrize(
+    "name", ["telescope", "servo_drive", "gantry_crane", "lift", "rubin_mount"]
+)
+def test_every_example_is_shown(browser, tmp_path, name):
+    path = written(tmp_path, (EXAMPLES / f"{name}.toml").read_text())
+    own = Served(lambda: session_of(path))
+    page = browser.new_page()
+    page.goto(own.address)
+    at_rest(page)
+    assert shown(page) == margins(path).phase_margin_deg
+    page.close()
+    own.stop()
