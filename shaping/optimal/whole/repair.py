@@ -12,7 +12,9 @@ from ...trajectory import Trajectory
 from .problem import WholeProblem
 from .sampled import Sampled
 
-_SAME = 2e-6  # of the highest bound's range: inputs that are one
+SAME = 2e-6
+"""Difference of inputs that are one, of the highest bound's range."""
+
 _CORRECTIONS = 4
 _MISSED = 1e-14  # of each derivative's size: the end state is exact
 _EXCESS = 1e-13  # of a bound's size: rounding
@@ -50,14 +52,15 @@ class Repaired:
         return Trajectory(breaks, rows, durations.astype(float), end)
 
 
-def repaired(problem: WholeProblem, motion: Sampled) -> Repaired | None:
+def repaired(problem: WholeProblem, motion: Sampled, *, same: float = SAME) -> Repaired | None:
     """Return a motion with an exact end; None where that, or a bound, cannot be kept.
 
-    What the end misses goes into the inputs of all pieces by the least sum of squares.
+    What the end misses goes into the inputs of all pieces by the least sum of squares. Inputs
+    that differ by less than `same` of the highest bound's range are one piece.
     """
     n, time = problem.order, motion.time
     span = float(problem.upper[-1] - problem.lower[-1])
-    lengths, levels = joined(motion, span * time**n * _SAME)
+    lengths, levels = joined(motion, span * time**n * same)
     durations: RealArray = lengths.astype(np.longdouble) * time
     inputs: RealArray = levels.astype(np.longdouble) / np.longdouble(time) ** n
     sizes = motion.sizes(problem)[:n] / time ** np.arange(n)
