@@ -3,11 +3,10 @@
 import itertools
 import os
 import re
-from math import factorial
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from sampled_motions import least_share
 
 from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_transfer, through
 
@@ -47,31 +46,6 @@ def stopping(points, limits):
     )
 
 
-def can_pass(times, points, limits, cells):
-    """Tell whether a sampled axis can be at its points at these times, bounds kept at samples."""
-    n, dt = limits.order, times[-1] / cells
-    after = dt * np.maximum(np.arange(cells + 1)[:, None] - np.arange(cells + 1), 0.0)
-    rows = [
-        (after[:, :-1] ** (n - k) - after[:, 1:] ** (n - k)) / factorial(n - k) for k in range(n)
-    ]
-    at = np.rint(np.array(times[1:]) / dt).astype(int)
-    equal = np.vstack([rows[0][at], *[rows[k][-1:] for k in range(1, n)]])
-    sides = np.concatenate([np.array(points[1:]) - points[0], np.zeros(n - 1)])
-    scale = np.abs(equal).max(axis=1, keepdims=True)
-    less = np.vstack([sign * rows[k] for k in range(1, n) for sign in (1.0, -1.0)])
-    most = np.repeat([side for k in range(1, n) for side in (limits.bounds(k)[1],
-                      -limits.bounds(k)[0])], cells + 1)  # fmt: skip
-    result = linprog(
-        np.zeros(cells),
-        A_ub=less / most[:, None],
-        b_ub=np.ones(len(most)),
-        A_eq=equal / scale,
-        b_eq=sides / scale[:, 0],
-        bounds=limits.bounds(n),
-    )
-    return result.status == 0
-
-
 @pytest.fixture(scope="module")
 def bent():
     return through(BENT, FOURTH)
@@ -87,8 +61,18 @@ def test_its_times_cannot_be_much_shorter(bent):
     shares = np.rint(bent.times / bent.duration * 120.0) / 120.0
 
     def all_can(factor):
-        times = shares * bent.duration * factor
-        return all(can_pass(times, BENT[:, k], FOURTH, 120) for k in range(2))
+        times = (shares * bent.duration * factor)[1:-1]
+        return all(
+            least_share(
+                x[0],
+                x[-1],
+                FOURTH,
+                bent.duration * factor,
+                via=list(zip(times, x[1:-1], strict=True)),
+            )
+            <= 1.0
+            for x in BENT.T
+        )
 
     assert not all_can(0.98)
     assert all_can(1.03)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil, ldexp
+from math import ceil, inf, ldexp
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...checks import in_range, positive
 from ...limits import Limits
@@ -13,8 +14,9 @@ from ...trajectory import Trajectory
 from ...transfers.infeasible import InfeasibleError
 from .maps import node_states
 from .outcome import found_plan, impossible
-from .planner import Numbers, Plan, planned
+from .planner import DEFAULT_RTOL, Numbers, Plan, planned
 from .problem import WholeProblem
+from .refining import refined
 from .repair import Repaired, repaired
 from .restriction import MARGIN, hull_rows
 from .sampled import Sampled
@@ -23,6 +25,10 @@ from .warm_program import WarmProgram
 
 _SAMPLES = 20  # multiples of a sample time that are tried
 _AT = 1e-12  # relative: a duration that is another
+_SEARCHED = 14
+_ROUNDS = 5
+_HARDLY = 5e-4  # of the share
+_SAME = 1e-6  # of the largest input: inputs that are one
 
 
 def lasting(
@@ -63,7 +69,12 @@ def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float)
     plan = planned(start, end, limits)
     best, time = plan.search.best, ldexp(duration, -plan.time)
     if best is None or best.time < time * (1.0 - _AT):
-        best = None if plan.impossible else _from(plan, time).best
+        if plan.impossible:
+            return np.inf
+        search = _from(plan, time)
+        with np.errstate(all="ignore"):
+            search.run(DEFAULT_RTOL)
+        best = search.best
     return np.inf if best is None else max(duration, ldexp(best.time, plan.time))
 
 
@@ -97,13 +108,16 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
 
 
 def _from(plan: Plan, time: float) -> Search:
-    """Return a search for the first motion that takes no less than a time."""
+    """Return a search that tells whether a motion takes a time; if none, for the next that does."""
     nodes = np.union1d(np.linspace(0.0, 1.0, 17), plan.search.nodes)
     nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
     search = Search(plan.search.problem, nodes)
     search.lower, search.chain = time, []
     with np.errstate(all="ignore"):
-        search.run(_AT)
+        for rounds in range(1, _SEARCHED + 1):
+            search.run(_AT, rounds)
+            if search.gap <= _AT or search.lower > time * (1.0 + _AT):
+                break
     return search
 
 
@@ -117,7 +131,43 @@ def _none(duration: float, reason: str) -> InfeasibleError:
 
 
 def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired) -> Repaired:
-    """Return the motion on a grid with the smallest share of the highest bound; as it came if none.
+    """Return the motion with the smallest share of the highest bound; as it came if none.
+
+    On grids refined where the input switches, until the share hardly falls.
+    """
+    last = inf
+    for _ in range(_ROUNDS):
+        found = _with_least_share(problem, nodes, time, motion)
+        if found is None:
+            break
+        share, inputs = found
+        gentle = repaired(problem, Sampled(nodes, inputs, time))
+        if gentle is None:
+            break
+        motion = gentle
+        if share > last * (1.0 - _HARDLY):
+            break
+        last = share
+        nodes = refined(
+            nodes, _switching(problem, inputs, share * time**problem.order), None, inputs
+        )
+    return motion
+
+
+def _switching(problem: WholeProblem, inputs: FloatArray, unit: float) -> NDArray[np.intp]:
+    """Return the cells whose input is on no bound, and another than beside them."""
+    same = _SAME * float(np.abs(inputs).max())
+    lower, upper = problem.lower[-1] * unit, problem.upper[-1] * unit
+    free = np.minimum(np.abs(inputs - lower), np.abs(inputs - upper)) > same
+    apart = np.abs(np.diff(inputs)) > same
+    beside = np.append(apart, False) | np.append(False, apart)
+    return np.flatnonzero(free & beside)
+
+
+def _with_least_share(
+    problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired
+) -> tuple[float, FloatArray] | None:
+    """Return the smallest share of the highest bound that a motion on a grid needs, and its inputs.
 
     minimise s   subject to   s·lo_n ≤ x^(n) ≤ s·hi_n, all other bounds, both states
     """
@@ -156,6 +206,5 @@ def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Rep
         np.append(far, 1.0 - MARGIN),
     )
     if optimum is None:
-        return motion
-    inputs = Sampled(nodes, optimum.columns[:count] * sizes[n], time)
-    return repaired(problem, inputs) or motion
+        return None
+    return optimum.value, optimum.columns[:count] * sizes[n]
