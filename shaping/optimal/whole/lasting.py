@@ -25,7 +25,6 @@ from .warm_program import WarmProgram
 
 _SAMPLES = 20  # multiples of a sample time that are tried
 _AT = 1e-12  # relative: a duration that is another
-_SEARCHED = 14
 _ROUNDS = 5
 _HARDLY = 5e-4  # of the share
 _SAME = 1e-6  # of the largest input: inputs that are one
@@ -53,15 +52,8 @@ def lasting(
         wanted = wanted if dt is None else _samples(wanted, dt) * dt
         return _lasting(planned(start, end, limits, rtol), wanted)
     plan = found_plan(start, end, limits, rtol=rtol)
-    assert plan.search.best is not None
     assert dt is not None
-    first = _samples(ldexp(plan.search.best.time, plan.time), dt)
-    for count in range(first, first + _SAMPLES):
-        try:
-            return _lasting(plan, count * dt)
-        except InfeasibleError as error:
-            last = error
-    raise last
+    return _next_multiple(plan, dt)
 
 
 def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float) -> float:
@@ -69,13 +61,25 @@ def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float)
     plan = planned(start, end, limits)
     best, time = plan.search.best, ldexp(duration, -plan.time)
     if best is None or best.time < time * (1.0 - _AT):
-        if plan.impossible:
-            return np.inf
-        search = _from(plan, time)
-        with np.errstate(all="ignore"):
-            search.run(DEFAULT_RTOL)
-        best = search.best
-    return np.inf if best is None else max(duration, ldexp(best.time, plan.time))
+        best = None if plan.impossible else _next(plan, time).best
+    return inf if best is None else max(duration, ldexp(best.time, plan.time))
+
+
+def _next_multiple(plan: Plan, dt: float) -> Trajectory:
+    """Return a motion that takes the first whole number of samples that is possible."""
+    count = _samples(plan.lower_bound, dt)
+    for _ in range(_SAMPLES):
+        try:
+            return _lasting(plan, count * dt)
+        except InfeasibleError:
+            later = _next(plan, ldexp(count * dt, -plan.time)).lower
+            count = max(count + 1, _samples(ldexp(later, plan.time), dt) if later < inf else 0)
+    raise InfeasibleError(
+        f"round_to = {dt!r}: no multiple of it was found that is a duration of this motion; use a "
+        "shorter sample time",
+        "",
+        None,
+    )
 
 
 def _samples(duration: float, dt: float) -> int:
@@ -107,18 +111,34 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
         return _gentlest(plan.search.problem, search.nodes, time, search.best)
 
 
+def _next(plan: Plan, time: float) -> Search:
+    """Return a search for the first motion that takes no less than a time."""
+    search = _from(plan, time)
+    with np.errstate(all="ignore"):
+        search.run(DEFAULT_RTOL)
+    return search
+
+
 def _from(plan: Plan, time: float) -> Search:
     """Return a search that tells whether a motion takes a time; if none, for the next that does."""
-    nodes = np.union1d(np.linspace(0.0, 1.0, 17), plan.search.nodes)
+    for known in plan.search.later:
+        excluded = known.after == time or known.after <= time < known.lower
+        if excluded or _away(known, time) <= _AT:
+            return known
+    nearest = min([plan.search, *plan.search.later], key=lambda known: _away(known, time))
+    nodes = np.union1d(np.linspace(0.0, 1.0, 17), nearest.nodes)
     nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
-    search = Search(plan.search.problem, nodes)
-    search.lower, search.chain = time, []
+    search = Search(plan.search.problem, nodes, after=time)
+    plan.search.later.append(search)
     with np.errstate(all="ignore"):
-        for rounds in range(1, _SEARCHED + 1):
-            search.run(_AT, rounds)
-            if search.gap <= _AT or search.lower > time * (1.0 + _AT):
-                break
+        while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
+            search.run(_AT, search.rounds + 1)
     return search
+
+
+def _away(search: Search, time: float) -> float:
+    """Return how far from a time the motion is that a search has found."""
+    return inf if search.best is None else abs(search.best.time / time - 1.0)
 
 
 def _none(duration: float, reason: str) -> InfeasibleError:
