@@ -79,8 +79,8 @@ def _told(
     try:
         return _leg(leg, start, end, limits)
     except InfeasibleError as error:
-        told = f"from point {start[0].tolist()} to {end[0].tolist()}, {error}"
-        raise InfeasibleError(told, error.bound, error.nearest, error.time) from error
+        way = f"from point {start[0].tolist()} to {end[0].tolist()}, "
+        raise error.headed(way) from error
 
 
 def _leg(

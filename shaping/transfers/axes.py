@@ -144,8 +144,7 @@ def planned_motion(name: str, start: State, end: State, limits: Limits) -> Motio
                 return min_time_move(places[1] - places[0], limits, start=places[0])
         return min_time_transfer(start, end, limits)
     except InfeasibleError as error:
-        told = f"{name}: {error}"
-        raise InfeasibleError(told, error.bound, error.nearest, error.time) from error
+        raise error.headed(f"{name}: ") from error
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
 
