@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, inf, ldexp
+from math import ceil, floor, inf, ldexp, log10
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from .warm_program import WarmProgram
 
 _SAMPLES = 20  # multiples of a sample time that are tried
 _AT = 1e-12  # relative: a duration that is another
+_CLEAR = 2e-4  # relative: beyond what ends a blocked interval
 _ROUNDS = 5
 _HARDLY = 5e-4  # of the share
 _SAME = 1e-6  # of the largest input: inputs that are one
@@ -104,7 +105,7 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
 def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
     search = _from(plan, time)
     if search.lower > time * (1.0 + _AT):
-        raise _none(duration, "it is proven that there is none of this one")
+        raise _none(duration, "it is proven that there is none of this one" + _later(plan, time))
     if search.best is None or search.best.time > time * (1.0 + _AT):
         raise _none(duration, "none was found, which is no proof that there is none")
     with np.errstate(all="ignore"):
@@ -134,6 +135,16 @@ def _from(plan: Plan, time: float) -> Search:
         while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
             search.run(_AT, search.rounds + 1)
     return search
+
+
+def _later(plan: Plan, time: float) -> str:
+    """Tell of the next duration that is possible, if one is found, rounded up to clear ground."""
+    best = _next(plan, time).best
+    if best is None:
+        return ""
+    later = ldexp(best.time, plan.time) * (1.0 + _CLEAR)
+    digits = 10.0 ** (3 - floor(log10(later)))
+    return f", the next that was found is {ceil(later * digits) / digits:.6g}"
 
 
 def _away(search: Search, time: float) -> float:
