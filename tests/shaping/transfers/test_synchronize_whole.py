@@ -53,7 +53,7 @@ def test_both_may_wait_at_rest_within_stops():
 
 
 def test_on_a_line_bounds_on_position_are_refused():
-    with pytest.raises(ValueError, match="have a bound on position: min_time_move"):
+    with pytest.raises(ValueError, match="have a bound on position: only min_time"):
         synchronize([(0.0, 1.0, STOPS), (0.0, 0.5, STOPS)], "straight-line")
 
 
