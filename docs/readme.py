@@ -121,6 +121,7 @@ def benchmarks() -> str:
         "against_peers",
         "moves",
         "transfers",
+        "through",
         "following",
         "response",
         "loops",

@@ -13,15 +13,21 @@ if TYPE_CHECKING:
     from .transfers.problem import Problem, Transfer
 
 _ROUNDING = 16.0 * 2.0**-52
+_NEAR = 1e-6  # relative: durations between which a move is slowed down as a whole
 
 
 def move_lasting(
-    move: Trajectory, limits: Limits, duration: float | None, round_to: float | None
+    move: Trajectory,
+    limits: Limits,
+    duration: float | None,
+    round_to: float | None,
+    *,
+    gentlest: bool,
 ) -> Trajectory:
     """Return the fastest move from rest to rest, made to last as long as is asked for.
 
-    At orders 2 and 3 it cruises at a lower velocity, at others it is slowed down as a whole, so
-    that each bound is kept.
+    At orders 2 and 3 it cruises at a lower velocity. Above it needs the smallest share of the
+    highest bound where that is asked for, and else is slowed down as a whole.
     """
     least = move.duration
     wanted = _whole_samples(least if duration is None else positive("duration", duration), round_to)
@@ -33,6 +39,10 @@ def move_lasting(
     if least == 0.0:
         return move.until(wanted)
     if wanted <= least * (1.0 + _ROUNDING) or limits.order not in (2, 3):
+        if gentlest and limits.order > 3 and wanted > least * (1.0 + _NEAR):
+            from .optimal.gentlest import gentlest_move  # which loads linear programs
+
+            return gentlest_move(move, limits, wanted)
         return move if wanted == least else move.stretch(wanted / least)
     from .transfers.problem import Problem
 

@@ -40,10 +40,9 @@ def min_time_move(
         "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
     duration : float, optional
         How long the move is to take, the minimum at least. It then cruises at a lower velocity
-        where n is 2 or 3; at other orders the fastest move is slowed down as a whole,
-        x(t) → x(t/c), which divides derivative k by c^k. Bounds that differ between the
-        directions, from n = 4 on, and bounds on position give the motion that needs the smallest
-        share of the bound on the highest derivative.
+        where n is 2 or 3; from 4 on, and within bounds on position, it is the motion that needs
+        the smallest share of the bound on the highest derivative. With "closed-form" the fastest
+        move is slowed down as a whole, x(t) → x(t/c), which divides derivative k by c^k.
     round_to : float, optional
         Sample time: the duration is rounded up to a whole number of samples.
     rtol : float, optional
@@ -127,7 +126,7 @@ def min_time_move(
         from .lasting import move_lasting
 
         fastest_move = min_time_move(distance, limits, start=start, method=method)
-        return move_lasting(fastest_move, limits, duration, round_to)
+        return move_lasting(fastest_move, limits, duration, round_to, gentlest=method == "optimal")
     return formed_move(distance, limits, start, method)
 
 

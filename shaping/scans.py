@@ -12,6 +12,8 @@ from .moves import min_time_move
 from .pieces import FloatArray, advance
 from .trajectory import Planned, Trajectory, as_trajectory
 
+_BEYOND = 1.0 + 1e-12  # times a bound: more than rounding
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scan(Planned):
@@ -107,8 +109,13 @@ def _check_reached(velocity: float, limits: Limits) -> None:
 
 def change_of_velocity(before: float, after: float, limits: Limits) -> Trajectory:
     """Return the fastest change of velocity, from position and time 0 on."""
-    others = Limits.from_bounds([limits.bounds(k) for k in range(2, limits.order + 1)])
-    return _integral(min_time_move(after - before, others, start=before))
+    others = [limits.bounds(k) for k in range(2, limits.order + 1)]
+    rate = min_time_move(after - before, Limits.from_bounds(others), start=before)
+    low, high = limits.bounds(1)
+    if rate.extremes(0)[0] < low * _BEYOND or rate.extremes(0)[1] > high * _BEYOND:
+        within = Limits.from_bounds(others, position=(low, high))
+        rate = min_time_move(after - before, within, start=before)
+    return _integral(rate)
 
 
 def _integral(rate: Trajectory) -> Trajectory:

@@ -15,6 +15,7 @@ from .legs import PlannedLegs, States, at_rest, planned, run_out, run_up
 from .nearest import approaches
 from .program import approximations, stretched
 from .route import Route
+from .settled import settled
 
 _REACHES = (1.0, 0.7, 0.4, 0.2)  # shares of the tolerance from which corners are cut
 _ROUNDING = 1e-9
@@ -65,14 +66,21 @@ def _improved(
     best = stopping.part(first, last)
     nodes, legs = route.nodes[first : last + 1], route.legs[first:last]
     stretch = stretched(nodes, legs, limits, best.durations)
+    if any(one.order > 3 or not one.plain for one in limits):
+        found_legs = settled(stretch, best.durations, states[first], states[last])
+        return best if found_legs is None else min(best, found_legs, key=_duration)
     for found in approximations(stretch, best.durations):
         found[0], found[-1] = states[first], states[last]
         try:
             legs_found = planned(legs, found, limits)
         except ValueError:  # rounding has left the bounds, or no common duration
             continue
-        best = min(best, legs_found, key=lambda each: each.duration)
+        best = min(best, legs_found, key=_duration)
     return best
+
+
+def _duration(legs: PlannedLegs) -> float:
+    return legs.duration
 
 
 def _joined(course: Course, route: Route, legs: PlannedLegs) -> Found:
@@ -80,14 +88,14 @@ def _joined(course: Course, route: Route, legs: PlannedLegs) -> Found:
     durations, motions = list(legs.durations), list(legs.motions)
     begins = route.legs[0].kind == "scan"
     if begins:
-        motions.insert(0, run_up(route.legs[0], route.nodes[0].place))
+        motions.insert(0, run_up(route.legs[0], route.nodes[0].place, course.limits))
         durations.insert(0, motions[0][0].duration)
     if route.legs[-1].kind == "scan":
-        motions.append(run_out(route.legs[-1], route.nodes[-1].place))
+        motions.append(run_out(route.legs[-1], route.nodes[-1].place, course.limits))
         durations.append(motions[-1][0].duration)
     times = np.concatenate([[0.0], np.cumsum(durations)])
     axes = [_in_a_row([leg[k] for leg in motions], times) for k in range(len(course.limits))]
-    if route.legs[-1].kind == "straight":
+    if route.legs[-1].kind != "scan":
         axes = [_ended(one, x) for one, x in zip(axes, route.nodes[-1].place, strict=True)]
     at_nodes = times[int(begins) :][: len(route.nodes)]
     return Found(axes, at_nodes, _passed(course, route, axes, at_nodes))

@@ -1,57 +1,77 @@
-"""One motion over a leg on a mesh of equal cells, in the time of the leg: what is linear in it."""
+"""One motion over a leg on a mesh, in the time of the leg: what is linear in it, and finer ones."""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from math import comb, factorial
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..optimal.whole.maps import functional_rows, hull_functionals, node_states
 from ..pieces import FloatArray
 
-CELLS = 8
-"""Cells of a leg, along each of which the highest derivative is constant."""
+_FEWEST = 8
+_APART = 1e-3  # of the range: inputs that differ
+_SHORTEST = 2e-3  # of the leg: a cell that is not cut
+_SLIVER = 0.05  # of a cell: a switch nearer to its end is there
 
 
-@lru_cache(maxsize=16)
-def mesh_rows(n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def equal_cells(n: int) -> FloatArray:
+    """Return the edges of the mesh to begin with, on whose cells derivative n is constant."""
+    return np.linspace(0.0, 1.0, max(_FEWEST, 2 * n) + 1)
+
+
+def mesh_rows(n: int, edges: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Return what the states and the highest derivatives of the cells lead to.
 
     On a leg of duration 1, from n states at its start and the derivative n along the cells.
 
     Returns
     -------
-    end : (n, n + CELLS) array
+    end : (n, n + cells) array
         State at the end.
-    bounded : (rows, n + CELLS) array
-        Values between whose extremes a derivative stays: the Bernstein coefficients of every
-        derivative on every cell.
+    bounded : (rows, n + cells) array
+        Values between whose extremes a derivative stays: the Bernstein coefficients of position
+        and every derivative on every cell, all of one after those of the one below.
     derivative : (rows,) array
         Which derivative each is of.
     """
-    states, dt = _states(n), 1.0 / CELLS
-    rows, kinds = [], []
-    for cell in range(CELLS):
-        taylor = np.vstack([states[cell], np.eye(n + CELLS)[n + cell]])
-        for r in range(1, n + 1):
-            q = n - r
-            for j in range(1, q + 1) if q else (0,):
-                weights = [comb(j, i) / comb(q, i) * dt**i / factorial(i) for i in range(j + 1)]
-                rows.append(weights @ taylor[r : r + j + 1])
-                kinds.append(r)
-    return states[-1], np.array(rows), np.array(kinds)
+    return _mesh_rows(n, tuple(edges.tolist()))
 
 
-def _states(n: int) -> FloatArray:
-    """Return the states at the cells' edges, (CELLS + 1, n, n + CELLS)."""
-    dt = 1.0 / CELLS
-    step = [
-        [dt ** (j - i) / factorial(j - i) if j >= i else 0.0 for j in range(n)] for i in range(n)
+@lru_cache(maxsize=512)
+def _mesh_rows(n: int, edges: tuple[float, ...]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    nodes = np.array(edges)
+    cells = len(nodes) - 1
+    maps = node_states(nodes, n, 1)
+    rows = [
+        functional_rows(maps, np.diff(nodes), k, *hull_functionals(n - k)).reshape(-1, cells + n)
+        for k in range(n)
     ]
-    gain = [dt ** (n - i) / factorial(n - i) for i in range(n)]
-    states = np.zeros((CELLS + 1, n, n + CELLS))
-    states[0, :, :n] = np.eye(n)
-    for cell in range(CELLS):
-        states[cell + 1] = np.array(step) @ states[cell]
-        states[cell + 1, :, n + cell] += gain
-    return states
+    rows.append(np.eye(cells, cells + n))
+    of = np.repeat(np.arange(n + 1), [len(each) for each in rows])
+    starts_first = np.roll(np.arange(cells + n), n)
+    return maps[:, -1][:, starts_first], np.vstack(rows)[:, starts_first], of
+
+
+def finer(edges: FloatArray, inputs: FloatArray) -> FloatArray:
+    """Return a mesh on which cells with an input between those beside them can switch inside.
+
+    The new edge is where a switch from one to the other keeps the area. Where such a switch is
+    at an edge already, the cells beside it are cut.
+    """
+    same = _APART * float(np.ptp(inputs))
+    before, after = inputs[:-2], inputs[2:]
+    inner = inputs[1:-1]
+    cells = np.diff(edges)
+    long = cells[1:-1] > _SHORTEST
+    between = np.minimum(np.abs(inner - before), np.abs(inner - after)) > same
+    between &= (inner - before) * (after - inner) > 0.0
+    found = np.flatnonzero(between & long)
+    shares = (inner - after)[found] / (before - after)[found]
+    kept = (shares > _SLIVER) & (shares < 1.0 - _SLIVER)
+    switches = edges[1 + found[kept]] + shares[kept] * cells[1 + found[kept]]
+    ends = np.array([0, len(cells) - 1])
+    beside = np.minimum([1, len(cells) - 2], len(cells) - 1)
+    cut = ends[(np.abs(inputs[ends] - inputs[beside]) > same) & (cells[ends] > _SHORTEST)]
+    return np.union1d(edges, np.append(switches, 0.5 * (edges[cut] + edges[cut + 1])))

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..limits import Limits
 from ..pieces import FloatArray
 from .legs import States
-from .mesh import CELLS
-from .route import Leg, Node
-from .sparse_rows import SparseRows
+from .mesh import equal_cells, finer
+from .route import Leg, Node, reach_along
+from .sparse_rows import Columns, SparseRows
 from .tangents import End, LegMotion
 
 _LONGEST = 20.0  # seconds for one program
+_EXACTLY = {"time_limit": _LONGEST, "primal_feasibility_tolerance": 1e-9}
+_WAYS: tuple[dict[str, Any], ...] = (
+    {"method": "highs-ds", "options": {**_EXACTLY, "presolve": False}},
+    {"method": "highs-ipm", "options": _EXACTLY},
+)
+_SOLVED = (0, 2)  # found, or none there is
+_ROOM = 1e-6  # of the highest bounds, for the repair of what motions of fixed durations miss
 _NO_WAY = 1e-3  # of the tolerance: a shift that has no direction yet
 
 
@@ -28,10 +35,12 @@ class Stage(NamedTuple):
     roam: float
 
 
-_STAGES = (
+COARSE = (
     *[Stage(0.3, 0.06, 1.0)] * 4,
     Stage(0.1, 0.06, 0.5),
     Stage(0.05, 0.06, 0.2),
+)
+FINE = (
     Stage(0.02, 0.04, 0.0),
     Stage(0.01, 0.03, 0.0),
     Stage(0.005, 0.02, 0.0),
@@ -40,10 +49,11 @@ _STAGES = (
 
 
 class Iterate(NamedTuple):
-    """Durations of the legs, and inputs of the nodes, in the units of a program."""
+    """Durations of the legs, inputs of the nodes and the cells, in the units of a program."""
 
     lengths: FloatArray
     inputs: FloatArray
+    levels: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +104,8 @@ def approximations(stretch: Stretch, durations: Sequence[float]) -> Iterator[Sta
     places, and hardly the durations, are given.
     """
     program = Program(stretch)
-    last = Iterate(np.array(durations) / stretch.time, np.zeros(program.inputs))
-    for stage in _STAGES:
+    last = program.first(durations)
+    for stage in COARSE + FINE:
         found = program.solve(last, stage)
         if found is None:
             continue
@@ -109,6 +119,11 @@ class Program:
 
     Its columns are the durations of the legs, the inputs: rates of the nodes along their ways, and
     shifts where a node may be passed at a distance, and the highest derivatives on the cells.
+
+    Attributes
+    ----------
+    meshes : list of (N + 1,) array
+        Edges of the cells of every motion, leg after leg.
     """
 
     def __init__(self, stretch: Stretch) -> None:
@@ -120,32 +135,66 @@ class Program:
             self._first.append(self._first[-1] + count)
         self.inputs = self._first[-1]
         self._cells = len(stretch.legs) + self.inputs
+        self.meshes = [equal_cells(one.order) for leg in stretch.legs for one in leg.limits]
+
+    def first(self, durations: Sequence[float]) -> Iterate:
+        """Return what to begin with: durations, and a stop at every node."""
+        lengths = np.array(durations) / self.stretch.time
+        return Iterate(lengths, np.zeros(self.inputs), np.zeros(0))
 
     def solve(self, last: Iterate, stage: Stage) -> Iterate | None:
         """Return durations and inputs for which the tangents ask for the least time, or None."""
+        return self._solved(last, stage, shared=False)
+
+    def settled(self, last: Iterate, longer: float) -> Iterate | None:
+        """Return inputs of the smallest shares of the highest bounds, durations being fixed.
+
+        They are the last ones, times a factor: then nothing is approximate.
+        """
+        still = last._replace(lengths=last.lengths * longer)
+        return self._solved(still, Stage(0.0, 0.0, 0.0), shared=True)
+
+    def refine(self, last: Iterate) -> None:
+        """Cut cells where inputs that were found switch inside."""
+        parts = np.split(last.levels, np.cumsum([len(edges) - 1 for edges in self.meshes])[:-1])
+        self.meshes = [finer(*pair) for pair in zip(self.meshes, parts, strict=True)]
+
+    def _solved(self, last: Iterate, stage: Stage, *, shared: bool) -> Iterate | None:
         from scipy.optimize import linprog
 
-        equal, less, used = SparseRows(), SparseRows(), self._cells
-        for motion, size in self._motions(last):
+        equal, less = SparseRows(), SparseRows()
+        cells = self._cells + sum(len(edges) - 1 for edges in self.meshes)
+        used = cells + (len(self.meshes) if shared else 0)
+        units = []
+        for number, motion in enumerate(self._motions(last)):
+            units.append(np.full(len(motion.cells), motion.unit))
             motion.add_end(equal)
-            motion.add_bounds(less, stage.margin, self.stretch.time, size)
-            used += CELLS
+            share = np.array([cells + number] if shared else [], dtype=np.intp)
+            motion.add_bounds(less, stage.margin, share)
         ranges = np.tile([-np.inf, np.inf], (used, 1))
+        ranges[cells:] = [0.0, 1.0 - _ROOM]
         count = len(last.lengths)
         ranges[:count] = np.outer(last.lengths, [1.0 - stage.trust, 1.0 + stage.trust])
         self._hold_places(last.inputs, stage.roam, ranges, less)
-        result = linprog(
-            np.repeat([1.0, 0.0], [count, used - count]),
-            A_ub=less.matrix(used),
-            b_ub=less.sides(),
-            A_eq=equal.matrix(used),
-            b_eq=equal.sides(),
-            bounds=ranges,
-            options={"time_limit": _LONGEST},
-        )
+        costs = np.zeros(used)
+        costs[slice(cells, None) if shared else slice(count)] = 1.0
+        for way in _WAYS:
+            result = linprog(
+                costs,
+                A_ub=less.matrix(used),
+                b_ub=less.sides(),
+                A_eq=equal.matrix(used),
+                b_eq=equal.sides(),
+                bounds=ranges,
+                **way,
+            )
+            if result.status in _SOLVED:
+                break
         if result.status != 0:
             return None
-        return Iterate(result.x[:count], self._within(result.x[count : self._cells]))
+        inputs = self._within(result.x[count : self._cells])
+        levels = np.concatenate(units) * result.x[self._cells : cells]
+        return Iterate(result.x[:count], inputs, levels)
 
     def states(self, inputs: FloatArray) -> States:
         """Return the states of the nodes, in the units of the axes."""
@@ -218,15 +267,34 @@ class Program:
         columns = len(stretch.legs) + np.arange(own.start, own.stop)
         return End(columns, shares, constant, inputs[own])
 
-    def _motions(self, last: Iterate) -> Iterator[tuple[LegMotion, float]]:
-        """Yield the motions of all legs along their ways, and their sizes."""
-        stretch, used = self.stretch, self._cells
-        for leg, (ways, length) in enumerate(zip(stretch.legs, last.lengths.tolist(), strict=True)):
-            between = stretch.nodes[leg + 1].place - stretch.nodes[leg].place
-            for way, limits in zip(ways.way.T, ways.limits, strict=True):
-                size = float(np.abs(way) @ stretch.sizes)
-                ends = [self._end(j, way, limits.order, last.inputs) for j in (leg, leg + 1)]
-                cells = np.arange(used, used + CELLS)
-                distance = float(way @ between) / size
-                yield LegMotion(leg, length, ends[0], ends[1], distance, cells, limits), size
-                used += CELLS
+    def _motions(self, last: Iterate) -> Iterator[LegMotion]:
+        """Yield the motions of all legs along their ways."""
+        used, meshes = self._cells, iter(self.meshes)
+        for leg, ways in enumerate(self.stretch.legs):
+            for number in range(len(ways.limits)):
+                edges = next(meshes)
+                cells = np.arange(used, used + len(edges) - 1)
+                used += len(cells)
+                yield self._motion(leg, number, cells, edges, last)
+
+    def _motion(
+        self, leg: int, number: int, cells: Columns, edges: FloatArray, last: Iterate
+    ) -> LegMotion:
+        """Return the motion of a leg along one of its ways."""
+        stretch, ways = self.stretch, self.stretch.legs[leg]
+        way, limits = ways.way[:, number], ways.limits[number]
+        size, begin = self.size(leg, number), stretch.nodes[leg].place
+        ends = [self._end(j, way, limits.order, last.inputs) for j in (leg, leg + 1)]
+        distance = float(way @ (stretch.nodes[leg + 1].place - begin)) / size
+        units = stretch.time ** np.arange(limits.order + 1) / size
+        room = reach_along(way, begin, stretch.limits)
+        lower, upper = (
+            np.array([side, *sides]) * units
+            for side, sides in zip(room, (limits.lower, limits.upper), strict=True)
+        )
+        length = float(last.lengths[leg])
+        return LegMotion(leg, length, ends[0], ends[1], distance, cells, edges, lower, upper)
+
+    def size(self, leg: int, number: int) -> float:
+        """Return the unit of distance along a way of a leg."""
+        return float(np.abs(self.stretch.legs[leg].way[:, number]) @ self.stretch.sizes)

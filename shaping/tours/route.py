@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 from ..limits import Limits
@@ -67,3 +69,15 @@ class Route:
         """Return the first and last node of each part with something free between them."""
         fixed = [i for i, node in enumerate(self.nodes) if not node.ways.size]
         return [(i, j) for i, j in itertools.pairwise(fixed) if j > i + 1]
+
+
+def reach_along(
+    way: FloatArray, place: FloatArray, limits: Sequence[Limits]
+) -> tuple[float, float]:
+    """Return how far back and ahead along a way from a place positions are free."""
+    low, high = -inf, inf
+    for share, x, one in zip(way.tolist(), place.tolist(), limits, strict=True):
+        if share:
+            back, ahead = sorted((side - x) / share for side in one.position)
+            low, high = max(low, back), min(high, ahead)
+    return low, high

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..checks import finite, state_numbers
-from ..limits import Limits, check_plain
+from ..limits import Limits
 from ..moves import min_time_move
 from ..pieces import FloatArray
 from ..real_numbers import shown
@@ -138,16 +138,13 @@ def axis_of(number: int, given: Motion, limits: Limits | None) -> Axis:
 def planned_motion(name: str, start: State, end: State, limits: Limits) -> Motion:
     """Return the fastest motion within limits; errors are headed by a name."""
     try:
-        if isinstance(limits, Limits):
-            check_plain(limits)
         if isinstance(limits, Limits) and limits.order not in (2, 3):
             places = _at_rest("start", start), _at_rest("end", end)
             if places[0] is not None and places[1] is not None:
                 return min_time_move(places[1] - places[0], limits, start=places[0])
         return min_time_transfer(start, end, limits)
     except InfeasibleError as error:
-        told = f"{name}: {error}"
-        raise InfeasibleError(told, error.bound, error.nearest) from error
+        raise error.headed(f"{name}: ") from error
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
 

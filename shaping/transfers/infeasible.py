@@ -34,17 +34,31 @@ class InfeasibleError(ValueError):
     time : float or None
         When that bound would be exceeded, after the start, or before the end (negative), where
         one of both is a dead end.
+    state : tuple of float or None
+        The start or the end with that nearest value in its place, from which or to which there is
+        a motion; where the message names one at orders 4 and above or within bounds on position.
     """
 
     def __init__(
-        self, message: str, bound: str, nearest: float | None, time: float | None = None
+        self,
+        message: str,
+        bound: str,
+        nearest: float | None,
+        time: float | None = None,
+        state: tuple[float, ...] | None = None,
     ) -> None:
         super().__init__(message)
-        self.bound, self.nearest, self.time = bound, nearest, time
+        self.bound, self.nearest, self.time, self.state = bound, nearest, time, state
 
     def __reduce__(self) -> tuple[type[InfeasibleError], tuple[Any, ...]]:
         """Return what it takes to send the error to another process."""
-        return InfeasibleError, (str(self), self.bound, self.nearest, self.time)
+        told = str(self), self.bound, self.nearest, self.time, self.state
+        return InfeasibleError, told
+
+    def headed(self, name: str) -> InfeasibleError:
+        """Return the error with a name before its message."""
+        told = f"{name}{self}", self.bound, self.nearest, self.time, self.state
+        return InfeasibleError(*told)
 
 
 def check_end(velocity: float, acceleration: float, limits: Limits) -> None:

@@ -8,7 +8,7 @@ from math import hypot
 
 import numpy as np
 
-from ..limits import Limits, of_one
+from ..limits import Limits, check_plain, of_one
 from ..real_numbers import shown
 from ..trajectory import Motion, Trajectory
 from .axes import Pair, Planned
@@ -136,6 +136,9 @@ def line_from(
     stays : bool
         Whether the ends are the old ones.
     """
+    for one in planned:
+        if isinstance(one, Limits):
+            check_plain(one)
     own = _resultant(line, resultant)
     time, places = been[0].end_time, [float(axis.end_state[0]) for axis in been]
     past = None if line is None else replace(line.until(time), planned=own)

@@ -46,11 +46,14 @@ def both_together(axes: list[Axis]) -> list[Motion]:
 
 def _problem(axis: Axis) -> Problem | WholeProblem | None:
     """Return the problem that a transfer solves, None for another motion."""
-    if axis.limits is None or axis.order < 2 or (axis.order > 3 and axis.rests):
+    if axis.limits is None or axis.order < 2:
+        return None
+    exact = axis.order < 4 and axis.limits.plain
+    if axis.rests and not exact:
         return None
     states = (axis.motion.start_state, axis.motion.end_state)
     start, end = (state[: axis.order].tolist() for state in states)
-    if axis.order < 4:
+    if exact:
         return Problem(start, end, axis.limits)
     from .whole_transfer import WholeProblem  # which loads linear programs
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, inf
 
 from ..derivatives import derivative_name
-from ..limits import Limits
+from ..limits import Limits, check_plain
 from ..moves import min_time_move
 from ..real_numbers import shown
 from ..trajectory import Motion, Trajectory, as_trajectory
@@ -27,6 +27,9 @@ def straight_line(
     the resultant L·s^(k) with L² = Σ R_i², so that the bounds of s^(k) are the tightest of their
     bounds over R_i and L. The resultant is one more axis, from 0 to L.
     """
+    for axis in axes:
+        if axis.limits is not None:
+            check_plain(axis.limits)
     length = hypot(*(axis.span for axis in axes))
     if isinstance(resultant, Motion):
         profile = _along(axes, as_trajectory(resultant), length)

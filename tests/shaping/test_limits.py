@@ -221,12 +221,11 @@ SPECIAL = [
         lambda limits: min_time_transfers([0.0], [1.0], limits),
         lambda limits: recursive_s_curve(1.0, limits),
         lambda limits: velocity_transfer(0.0, 1.0, limits),
-        lambda limits: synchronize([(0.0, 1.0, limits)]),
         lambda limits: CommandFollower(limits, dt=0.1),
         lambda limits: scan_move(1.0, 0.5, limits),
         lambda limits: tracking_transfer(0.0, 1.0, limits),
     ],
-    ids=range(8),
+    ids=range(7),
 )
 def test_what_takes_no_such_bounds_says_so(call, limits):
     with pytest.raises(ValueError, match=r"have a bound .*: only min_time_move and min_time_tr"):

@@ -286,7 +286,10 @@ def test_what_comes_back_is_known_to_other_verbs():
         (lambda: through([0.0, np.nan], THIRD), "points[1] = nan"),
         (lambda: through(np.zeros((2, 2, 2)), THIRD), "points of shape (2, 2, 2)"),
         (lambda: through(PLANE, [THIRD]), "expected one for all axes, or 2, one per axis, not 1"),
-        (lambda: through(PLANE, Limits(snap=1.0)), "limits of order 4: expected order 2"),
+        (
+            lambda: through(PLANE, Limits.from_bounds([None] * 10 + [1.0])),
+            "limits of order 11: expected order 2",
+        ),
         (lambda: through(PLANE, Limits(velocity=1.0)), "limits of order 1: expected order 2"),
         (lambda: through(PLANE, THIRD, corner=-0.1), "corner = -0.1: expected a finite distance"),
         (lambda: through(PLANE, THIRD, straight=[True]), "expected 5 entries, one for each leg"),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil, ldexp
+from math import ceil, floor, inf, ldexp, log10
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...checks import in_range, positive
 from ...limits import Limits
@@ -13,16 +14,21 @@ from ...trajectory import Trajectory
 from ...transfers.infeasible import InfeasibleError
 from .maps import node_states
 from .outcome import found_plan, impossible
-from .planner import Numbers, Plan, planned
+from .planner import DEFAULT_RTOL, Numbers, Plan, planned
 from .problem import WholeProblem
+from .refining import refined
 from .repair import Repaired, repaired
 from .restriction import MARGIN, hull_rows
 from .sampled import Sampled
 from .search import Search
-from .warm_program import WarmProgram
+from .warm_program import Effort, WarmProgram
 
 _SAMPLES = 20  # multiples of a sample time that are tried
 _AT = 1e-12  # relative: a duration that is another
+_CLEAR = 2e-4  # relative: beyond what ends a blocked interval
+_ROUNDS = 5
+_HARDLY = 5e-4  # of the share
+_SAME = 1e-6  # of the largest input: inputs that are one
 
 
 def lasting(
@@ -47,15 +53,8 @@ def lasting(
         wanted = wanted if dt is None else _samples(wanted, dt) * dt
         return _lasting(planned(start, end, limits, rtol), wanted)
     plan = found_plan(start, end, limits, rtol=rtol)
-    assert plan.search.best is not None
     assert dt is not None
-    first = _samples(ldexp(plan.search.best.time, plan.time), dt)
-    for count in range(first, first + _SAMPLES):
-        try:
-            return _lasting(plan, count * dt)
-        except InfeasibleError as error:
-            last = error
-    raise last
+    return _next_multiple(plan, dt)
 
 
 def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float) -> float:
@@ -63,8 +62,25 @@ def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float)
     plan = planned(start, end, limits)
     best, time = plan.search.best, ldexp(duration, -plan.time)
     if best is None or best.time < time * (1.0 - _AT):
-        best = None if plan.impossible else _from(plan, time).best
-    return np.inf if best is None else max(duration, ldexp(best.time, plan.time))
+        best = None if plan.impossible else _next(plan, time).best
+    return inf if best is None else max(duration, ldexp(best.time, plan.time))
+
+
+def _next_multiple(plan: Plan, dt: float) -> Trajectory:
+    """Return a motion that takes the first whole number of samples that is possible."""
+    count = _samples(plan.lower_bound, dt)
+    for _ in range(_SAMPLES):
+        try:
+            return _lasting(plan, count * dt)
+        except InfeasibleError:
+            later = _next(plan, ldexp(count * dt, -plan.time)).lower
+            count = max(count + 1, _samples(ldexp(later, plan.time), dt) if later < inf else 0)
+    raise InfeasibleError(
+        f"round_to = {dt!r}: no multiple of it was found that is a duration of this motion; use a "
+        "shorter sample time",
+        "",
+        None,
+    )
 
 
 def _samples(duration: float, dt: float) -> int:
@@ -89,22 +105,52 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
 def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
     search = _from(plan, time)
     if search.lower > time * (1.0 + _AT):
-        raise _none(duration, "it is proven that there is none of this one")
+        raise _none(duration, "it is proven that there is none of this one" + _later(plan, time))
     if search.best is None or search.best.time > time * (1.0 + _AT):
         raise _none(duration, "none was found, which is no proof that there is none")
     with np.errstate(all="ignore"):
         return _gentlest(plan.search.problem, search.nodes, time, search.best)
 
 
-def _from(plan: Plan, time: float) -> Search:
+def _next(plan: Plan, time: float) -> Search:
     """Return a search for the first motion that takes no less than a time."""
-    nodes = np.union1d(np.linspace(0.0, 1.0, 17), plan.search.nodes)
-    nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
-    search = Search(plan.search.problem, nodes)
-    search.lower, search.chain = time, []
+    search = _from(plan, time)
     with np.errstate(all="ignore"):
-        search.run(_AT)
+        search.run(DEFAULT_RTOL)
     return search
+
+
+def _from(plan: Plan, time: float) -> Search:
+    """Return a search that tells whether a motion takes a time; if none, for the next that does."""
+    for known in plan.search.later:
+        excluded = known.after == time or known.after <= time < known.lower
+        if excluded or _away(known, time) <= _AT:
+            return known
+    nearest = min([plan.search, *plan.search.later], key=lambda known: _away(known, time))
+    nodes = np.union1d(np.linspace(0.0, 1.0, 17), nearest.nodes)
+    nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
+    search = Search(plan.search.problem, nodes, after=time)
+    plan.search.later.append(search)
+    effort = Effort()
+    with np.errstate(all="ignore"):
+        while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
+            search.run(_AT, search.rounds + 1, effort)
+    return search
+
+
+def _later(plan: Plan, time: float) -> str:
+    """Tell of the next duration that is possible, if one is found, rounded up to clear ground."""
+    best = _next(plan, time).best
+    if best is None:
+        return ""
+    later = ldexp(best.time, plan.time) * (1.0 + _CLEAR)
+    digits = 10.0 ** (3 - floor(log10(later)))
+    return f", the next that was found is {ceil(later * digits) / digits:.6g}"
+
+
+def _away(search: Search, time: float) -> float:
+    """Return how far from a time the motion is that a search has found."""
+    return inf if search.best is None else abs(search.best.time / time - 1.0)
 
 
 def _none(duration: float, reason: str) -> InfeasibleError:
@@ -117,7 +163,43 @@ def _none(duration: float, reason: str) -> InfeasibleError:
 
 
 def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired) -> Repaired:
-    """Return the motion on a grid with the smallest share of the highest bound; as it came if none.
+    """Return the motion with the smallest share of the highest bound; as it came if none.
+
+    On grids refined where the input switches, until the share hardly falls.
+    """
+    last = inf
+    for _ in range(_ROUNDS):
+        found = _with_least_share(problem, nodes, time, motion)
+        if found is None:
+            break
+        share, inputs = found
+        gentle = repaired(problem, Sampled(nodes, inputs, time))
+        if gentle is None:
+            break
+        motion = gentle
+        if share > last * (1.0 - _HARDLY):
+            break
+        last = share
+        nodes = refined(
+            nodes, _switching(problem, inputs, share * time**problem.order), None, inputs
+        )
+    return motion
+
+
+def _switching(problem: WholeProblem, inputs: FloatArray, unit: float) -> NDArray[np.intp]:
+    """Return the cells whose input is on no bound, and another than beside them."""
+    same = _SAME * float(np.abs(inputs).max())
+    lower, upper = problem.lower[-1] * unit, problem.upper[-1] * unit
+    free = np.minimum(np.abs(inputs - lower), np.abs(inputs - upper)) > same
+    apart = np.abs(np.diff(inputs)) > same
+    beside = np.append(apart, False) | np.append(False, apart)
+    return np.flatnonzero(free & beside)
+
+
+def _with_least_share(
+    problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired
+) -> tuple[float, FloatArray] | None:
+    """Return the smallest share of the highest bound that a motion on a grid needs, and its inputs.
 
     minimise s   subject to   s·lo_n ≤ x^(n) ≤ s·hi_n, all other bounds, both states
     """
@@ -156,6 +238,5 @@ def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Rep
         np.append(far, 1.0 - MARGIN),
     )
     if optimum is None:
-        return motion
-    inputs = Sampled(nodes, optimum.columns[:count] * sizes[n], time)
-    return repaired(problem, inputs) or motion
+        return None
+    return optimum.value, optimum.columns[:count] * sizes[n]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from math import inf
+from dataclasses import replace
+from math import inf, ldexp
 
 import numpy as np
 
@@ -11,7 +12,18 @@ from ...derivatives import derivative_name
 from ...limits import Limits, check_both_sides
 from ...transfers.infeasible import InfeasibleError, inside
 from ..proof import CostateLink, TaylorLink
-from .planner import DEFAULT_RTOL, HIGHEST_ORDER, Numbers, Plan, planned
+from .dead_end import DeadEnd, kept_until
+from .nearest_state import nearest_end, nearest_starts
+from .planner import (
+    DEFAULT_RTOL,
+    HIGHEST_ORDER,
+    ROUGHLY_RTOL,
+    Numbers,
+    Plan,
+    planned,
+    roughly_planned,
+)
+from .problem import WholeProblem
 
 _NOTABLE = 0.05  # of the largest contribution to a proof: a bound that it rests on
 
@@ -38,16 +50,12 @@ def found_plan(start: Numbers, end: Numbers, limits: Limits, *, rtol: float = DE
         inside_bounds(name, state, limits) for name, state in (("start", start), ("end", end))
     )
     _check_not_one_way(begin, finish, limits)
+    _check_not_too_near(begin, finish, limits)
     plan = planned(begin, finish, limits, rtol)
     if plan.impossible:
         raise impossible(plan)
     if plan.search.best is None:
-        raise InfeasibleError(
-            f"no motion was found: every duration up to {plan.lower_bound:.10g} is impossible, of "
-            "longer ones nothing is known; move the states away from their bounds",
-            "",
-            None,
-        )
+        raise _not_found(plan)
     return plan
 
 
@@ -86,6 +94,22 @@ def _check_not_one_way(start: Numbers, end: Numbers, limits: Limits) -> None:
             )
 
 
+def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
+    """Refuse moving states too near to one another, where there is no turning back.
+
+    No position beyond the end's can be left again then: positions are bounded by both.
+    """
+    moving = any((*start[1:], *end[1:]))
+    if not moving or 0.0 not in limits.bounds(1) or start[0] == end[0]:
+        return
+    (low, high), ends = limits.position, (start[0], end[0])
+    between = max(low, min(ends)), min(high, max(ends))
+    pairs = zip(limits.lower, limits.upper, strict=True)
+    plan = planned(start, end, Limits.from_bounds(pairs, position=between), ROUGHLY_RTOL)
+    if plan.search.dead_end is not None:
+        raise impossible(plan).headed("with a bound of 0 on velocity there is no turning back: ")
+
+
 def warn_if_far(plan: Plan, rtol: float, duration: float, stacklevel: int = 4) -> None:
     """Warn where the gap that was asked for is not reached: what is known holds."""
     gap = duration / plan.lower_bound - 1.0
@@ -101,38 +125,100 @@ def warn_if_far(plan: Plan, rtol: float, duration: float, stacklevel: int = 4) -
 
 def impossible(plan: Plan) -> InfeasibleError:
     """Return the error for a problem that is proven to have no motion: which bound, and when."""
-    link = plan.proof.links[-1]
+    link, dead = plan.proof.links[-1], plan.search.dead_end
+    if dead is not None and isinstance(link, CostateLink):
+        return _of_dead_end(plan, link, dead)
     if isinstance(link, TaylorLink):
-        name = derivative_name(link.remainder)
-        return InfeasibleError(
-            f"no motion within the limits leads to the end, in whatever time: the {name} bound "
-            f"{_side(plan, link.remainder, link.sign):g} stands in the way; raise it, or choose "
-            f"another {derivative_name(link.derivative)} at the end",
-            name,
-            None,
-        )
-    assert isinstance(link, CostateLink)
-    k, sign, share = _violated(plan, link)
-    name, highest = derivative_name(k), derivative_name(plan.problem.order)
-    bound = _side(plan, k, sign)
-    if link.free:
-        time = link.low * share
-        side, when = ("start", "after it") if link.free == "start" else ("end", "before it")
-        verb = "leaves" if link.free == "start" else "leads to"
-        return InfeasibleError(
-            f"no motion within the limits {verb} the {side}: {name} would exceed its bound "
-            f"{bound:g} about {time:.3g} {when}, whatever the {highest}; raise that bound, or "
-            "choose smaller derivatives there",
-            name,
-            None,
-            time if link.free == "start" else -time,
-        )
+        k, sign, wrong = link.remainder, link.sign, link.derivative
+    else:
+        assert isinstance(link, CostateLink)
+        k, sign, _ = _violated(plan, link)
+        wrong = 0
+    value = nearest_end(plan.search.problem, wrong)
+    nearest = None if value is None else _working(plan, "end", wrong, value)
+    name, other = derivative_name(k), derivative_name(wrong)
+    end = f"choose another {other} at the end"
+    if nearest is not None:
+        end = f"end with {other} = {nearest[0]!r}, the nearest that was found"
     return InfeasibleError(
-        f"no motion within the limits leads from the start to the end, in whatever time: the "
-        f"{name} bound {bound:g} stands in the way; raise it",
+        "no motion within the limits leads from the start to the end, in whatever time: the "
+        f"{name} bound {_side(plan, k, sign):g} stands in the way; raise it, or {end}",
         name,
-        None,
+        *_attributes(nearest, None),
     )
+
+
+def _not_found(plan: Plan) -> InfeasibleError:
+    """Return the error for a problem of which neither a motion nor a proof of none was found."""
+    value = nearest_end(plan.search.problem, 0)
+    nearest = None if value is None else _working(plan, "end", 0, value)
+    remedy = "move the states away from their bounds"
+    if nearest is not None:
+        remedy = f"end with position = {nearest[0]!r}, the nearest that was found"
+    return InfeasibleError(
+        f"no motion was found: every duration up to {plan.lower_bound:.10g} is impossible, of "
+        f"longer ones nothing is known; {remedy}",
+        "",
+        *_attributes(nearest, None),
+    )
+
+
+def _of_dead_end(plan: Plan, link: CostateLink, dead: DeadEnd) -> InfeasibleError:
+    k, sign, _ = _violated(plan, link)
+    name, highest = derivative_name(k), derivative_name(plan.problem.order)
+    time = ldexp(kept_until(plan.search.problem, dead), plan.time)
+    side, when, verb = (
+        ("end", "before it", "leads to") if dead.backwards else ("start", "after it", "leaves")
+    )
+    seen = plan.search.problem.reversed() if dead.backwards else plan.search.problem
+    remedy, nearest = "choose smaller derivatives there", None
+    for derivative, value in nearest_starts(seen, dead.time):
+        sign_there = -1.0 if dead.backwards and derivative % 2 else 1.0
+        nearest = _working(plan, side, derivative, sign_there * value)
+        if nearest is not None:
+            named = f"{derivative_name(derivative)} = {nearest[0]!r}"
+            remedy = f"{side} with {named}, the nearest that was found"
+            break
+    return InfeasibleError(
+        f"no motion within the limits {verb} the {side}: {name} would exceed its bound "
+        f"{_side(plan, k, sign):g} about {time:.3g} {when}, whatever the {highest}; raise that "
+        f"bound, or {remedy}",
+        name,
+        *_attributes(nearest, -time if dead.backwards else time),
+    )
+
+
+def _attributes(
+    nearest: tuple[float, Numbers] | None, time: float | None
+) -> tuple[float | None, float | None, Numbers | None]:
+    value, state = (None, None) if nearest is None else nearest
+    return value, time, state
+
+
+def _working(plan: Plan, side: str, derivative: int, own: float) -> tuple[float, Numbers] | None:
+    """Return a value in the caller's units and the state with it, if there is a motion then."""
+    value = float(f"{plan.told_value(derivative, own):.6g}")
+    state = np.array(plan.problem.end if side == "end" else plan.problem.start)
+    state[derivative] = value
+    problem = (
+        replace(plan.problem, end=state) if side == "end" else replace(plan.problem, start=state)
+    )
+    numbers = tuple(map(float, state))
+    return (value, numbers) if _has_motion(problem, side) else None
+
+
+def _has_motion(problem: WholeProblem, mended: str) -> bool:
+    """Tell whether a problem with a start or end from which rest can be reached has a motion.
+
+    Between states of rest there is one where no bound is zero on a side.
+    """
+    other = problem.start if mended == "end" else problem.end
+    if (problem.start == problem.end).all():
+        return True
+    if not other[1:].any() and not (problem.lower[1:] * problem.upper[1:] == 0.0).any():
+        return True
+    found = roughly_planned(problem)
+    return not found.impossible and found.search.best is not None
 
 
 def _side(plan: Plan, k: int, sign: int) -> float:

@@ -26,6 +26,9 @@ Numbers = tuple[float, ...]
 DEFAULT_RTOL = 1e-4
 """Gap between a plan and its proof that is asked for by default."""
 
+ROUGHLY_RTOL = 0.5
+"""Gap that is asked for where only a motion is sought, or the proof that there is none."""
+
 HIGHEST_ORDER = 10
 """Highest order that is planned over the whole horizon."""
 
@@ -57,6 +60,13 @@ class Plan:
         if not self.problem.backward:
             return motion.trajectory(self.problem, self.length, self.time)
         return motion.trajectory(self.problem.mirrored(), self.length, self.time).mirror()
+
+    def told_value(self, derivative: int, value: float) -> float:
+        """Return a derivative in the search's units and direction in the caller's."""
+        far = ldexp(
+            -value if self.problem.backward else value, self.length - derivative * self.time
+        )
+        return far if derivative else float(self.problem.start[0]) + far
 
     @property
     def lower_bound(self) -> float:
@@ -130,6 +140,11 @@ def planned(start: Numbers, end: Numbers, limits: Limits, rtol: float = DEFAULT_
         for side, sides in zip(limits.position, (limits.lower, limits.upper), strict=True)
     )
     return _planned(start, end, lower, upper, rtol)
+
+
+def roughly_planned(problem: WholeProblem) -> Plan:
+    """Return a plan of a problem whose numbers are the caller's, near its minimum or not."""
+    return _planned(*(tuple(map(float, side)) for side in vars(problem).values()), ROUGHLY_RTOL)
 
 
 @lru_cache(maxsize=32)

@@ -12,7 +12,10 @@ from ...trajectory import Trajectory
 from .problem import WholeProblem
 from .sampled import Sampled
 
-_SAME = (2e-6, 1e-9)  # of the highest bound's range: inputs that are one, and where that is rough
+SAME = 2e-6
+"""Difference of inputs that are one, of the highest bound's range."""
+
+_ROUGH = 1e-9  # the same where merging so spoils the end
 _CORRECTIONS = 4
 _MISSED = 1e-14  # of each derivative's size: the end state is exact
 _EXCESS = 1e-13  # of a bound's size: rounding
@@ -50,12 +53,13 @@ class Repaired:
         return Trajectory(breaks, rows, durations.astype(float), end)
 
 
-def repaired(problem: WholeProblem, motion: Sampled) -> Repaired | None:
+def repaired(problem: WholeProblem, motion: Sampled, *, same: float = SAME) -> Repaired | None:
     """Return a motion with an exact end; None where that, or a bound, cannot be kept.
 
-    What the end misses goes into the inputs of all pieces by the least sum of squares.
+    What the end misses goes into the inputs of all pieces by the least sum of squares. Inputs
+    that differ by less than `same` of the highest bound's range are one piece.
     """
-    found = (_repaired(problem, motion, same) for same in _SAME)
+    found = (_repaired(problem, motion, each) for each in (same, _ROUGH))
     return next((one for one in found if one is not None), None)
 
 

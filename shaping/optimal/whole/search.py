@@ -75,12 +75,19 @@ class Search:
         Every duration below is impossible, by the `chain`; infinite where all are.
     best : Repaired or None
         The fastest motion found.
+    after : float
+        Shorter durations are not asked for, and not part of the `chain`.
+    later : list of Search
+        For motions that take longer, on the same problem.
     """
 
-    def __init__(self, problem: WholeProblem, nodes: FloatArray | None = None) -> None:
-        self.problem = problem
-        self.chain: list[TaylorLink | Link] = list(taylor_chain(problem))
-        self.lower = self.chain[-1].high if self.chain else 0.0
+    def __init__(
+        self, problem: WholeProblem, nodes: FloatArray | None = None, *, after: float = 0.0
+    ) -> None:
+        self.problem, self.after = problem, after
+        self.chain: list[TaylorLink | Link] = [] if after else list(taylor_chain(problem))
+        self.lower = self.chain[-1].high if self.chain else after
+        self.later: list[Search] = []
         self.best: Repaired | None = None
         self.guide: Sampled | None = None
         self.nodes = first_nodes(problem, self.lower) if nodes is None else nodes
@@ -94,6 +101,12 @@ class Search:
         if self.best is None or not self.lower > 0.0:
             return inf
         return max(self.best.time / self.lower - 1.0, 0.0)
+
+    @property
+    def ended(self) -> bool:
+        """Whether no more comes of it: a grid too fine, too many rounds, or a dead end."""
+        spent = self.rounds >= _ROUNDS or len(self.nodes) > _MOST_CELLS
+        return spent or self.effort.left <= 0.0 or self.dead_end is not None
 
     def run(self, rtol: float, rounds: int = _ROUNDS, effort: Effort | None = None) -> None:
         """Refine until the gap is at most `rtol`, no more comes of it, or the effort is spent."""

@@ -1,5 +1,7 @@
 """Motions of a given duration, order 4 and above or within stops: gentle, or impossible."""
 
+import re
+
 import numpy as np
 import pytest
 from whole_problems import random_problem
@@ -45,8 +47,11 @@ def test_a_blocked_interval_of_durations_is_told_as_such():
     start, end = (0.0, 0.9), (1.0, 0.9)
     fast = min_time_transfer(start, end, limits)
     assert fast.duration < 1.2
-    with pytest.raises(InfeasibleError, match=r"is none that a motion .* takes: it is"):
+    with pytest.raises(InfeasibleError, match=r"is none that a motion .* takes: it is") as caught:
         min_time_transfer(start, end, limits, duration=2.5)
+    told = re.search(r"the next that was found is (\S+);", str(caught.value))
+    after = min_time_transfer(start, end, limits, duration=float(told[1]))
+    assert after.duration == pytest.approx(2.9, rel=1e-3)
     slow = min_time_transfer(start, end, limits, duration=8.0)
     assert slow.violation(limits) == 0.0
 
