@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from tiers import some
 
@@ -40,7 +39,7 @@ def drawn(name: str, found, ax: Axes) -> Axes:
 
 
 def render(figure: Figure) -> None:
-    FigureCanvasAgg(figure).draw()
+    figure.draw_without_rendering()
 
 
 @pytest.mark.parametrize("name", [*OF_SURVEY, *OF_MOVE, "plot_step"])

@@ -5,6 +5,7 @@ from math import nan
 import mpmath
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.analysis.frequency_view import (
     frequency_response,
@@ -52,7 +53,7 @@ def test_boxcars_have_nulls_at_multiples(limits, widths, unit):
     np.testing.assert_allclose(found, multiples(widths, 8.1), rtol=1e-10)
 
 
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("order", some(range(1, 7), 4))
 def test_nulls_are_zeros_and_none_is_missed(order):
     """Between nulls the real response has one sign, by samples far denser than the search."""
     limits = Limits.from_bounds([1.0, 3.7, 31.0, 400.0, 9e3, 3e5][:order])
