@@ -159,7 +159,7 @@ def soonest_on_a_grid(points, limits, cells, around):
     return best
 
 
-@pytest.mark.parametrize(("limits", "seed"), some(itertools.product([SECOND, THIRD], [3, 4]), 2))
+@pytest.mark.parametrize(("limits", "seed"), some(itertools.product([THIRD, SECOND], [3, 4]), 1))
 def test_three_points_take_the_least_time_of_a_sampled_motion(limits, seed):
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (3, 2))
     path = through(points, limits)
