@@ -49,19 +49,28 @@ out/driver out/driver_loops: out/%: tests/core/%.c $(CORE) $(wildcard core/*.h)
 
 # Exactly the lowest releases that pyproject.toml admits, on the lowest Python; old releases warn
 # of what newer ones of others have changed.
-test-lowest:
-	python=$$($(PYTHON) .ci/pythons.py oldest) && \
-	if [ -z "$$python" ]; then echo "no Python as old as pyproject.toml admits: not tried"; else \
-	"$$python" -m venv --clear $(VENV)-lowest && \
-	$(PYTHON) .ci/lowest.py > $(VENV)-lowest/lowest.txt && \
-	$(VENV)-lowest/bin/python $(INSTALL) ".[dev]" --no-compile --constraint $(VENV)-lowest/lowest.txt && \
+test-lowest: $(VENV)-lowest/.installed
+	if [ -x $(VENV)-lowest/bin/python ]; then \
 	$(VENV)-lowest/bin/python -m pytest $(XDIST) -W ignore::DeprecationWarning $(BROAD); fi
 
-# The newest releases that there are, on the newest Python of this machine.
-test-newest:
+$(VENV)-lowest/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
+	rm -rf $(VENV)-lowest && mkdir $(VENV)-lowest
+	python=$$($(PYTHON) .ci/pythons.py oldest) && \
+	if [ -z "$$python" ]; then echo "no Python as old as pyproject.toml admits: not tried"; else \
+	"$$python" -m venv $(VENV)-lowest && \
+	$(PYTHON) .ci/lowest.py > $(VENV)-lowest/lowest.txt && \
+	$(VENV)-lowest/bin/python $(INSTALL) ".[dev]" --no-compile --constraint $(VENV)-lowest/lowest.txt; fi
+	touch $@
+
+# The newest releases that there are, on the newest Python of this machine; `make clean` forgets
+# those of the last time.
+test-newest: $(VENV)-newest/.installed
+	$(VENV)-newest/bin/python -m pytest $(XDIST) $(BROAD)
+
+$(VENV)-newest/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)
 	python=$$($(PYTHON) .ci/pythons.py newest) && "$$python" -m venv --clear $(VENV)-newest
 	$(VENV)-newest/bin/python $(INSTALL) ".[dev]" --no-compile
-	$(VENV)-newest/bin/python -m pytest $(XDIST) $(BROAD)
+	touch $@
 
 check: $(VENV)/.installed-dev .typing/jounce check-core
 	$(BIN)/ruff check .

@@ -4,12 +4,7 @@ import ast
 import os
 from pathlib import Path
 
-import jupytext
-import nbformat
 import pytest
-from jupyter_client.manager import KernelManager
-from nbclient import NotebookClient
-from nbformat.v4 import new_code_cell, new_notebook
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.py"))
@@ -22,6 +17,8 @@ def test_there_are_notebooks_and_every_one_is_paired():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_the_pair_holds_the_same_cells_and_no_output(path):
+    import jupytext  # in the worker that needs it: it takes a second
+
     script = jupytext.read(path)
     notebook = jupytext.read(path.with_suffix(".ipynb"))
     assert [(c.cell_type, c.source) for c in notebook.cells] == [
@@ -33,6 +30,10 @@ def test_the_pair_holds_the_same_cells_and_no_output(path):
 @pytest.fixture(scope="module")
 def kernel():
     """Start one kernel, which loads the libraries once; the names of each notebook go."""
+    from jupyter_client.manager import KernelManager
+    from nbclient import NotebookClient
+    from nbformat.v4 import new_notebook
+
     manager = KernelManager()
     place = {"metadata": {"path": str(FOLDER)}}
     client = NotebookClient(new_notebook(), km=manager, timeout=120, resources=place)
@@ -55,6 +56,9 @@ RUN = [path for path in NOTEBOOKS if SLOW or path.stem[:2] in ("01", "10")]
 
 @pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_it_runs_without_warnings(path, kernel):
+    import nbformat
+    from nbformat.v4 import new_code_cell
+
     notebook = nbformat.read(path.with_suffix(".ipynb"), as_version=4)
     notebook.cells.insert(0, new_code_cell("%reset -f"))
     asked = FIGURES.get(path.stem, ())

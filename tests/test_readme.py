@@ -4,7 +4,6 @@ import importlib.util
 import re
 from pathlib import Path
 
-import pytest
 import references
 
 ROOT = Path(__file__).parent.parent
@@ -74,11 +73,10 @@ LINKS = sorted(
 )
 
 
-@pytest.mark.parametrize(
-    ("page", "target"), LINKS, ids=[f"{page.name} {target}" for page, target in LINKS]
-)
-def test_links_lead_somewhere(page, target):
-    assert target.startswith("https://") or (page.parent / target).exists()
+def test_links_lead_somewhere():
+    assert len(LINKS) > 50
+    inside = [(page, target) for page, target in LINKS if not target.startswith("https://")]
+    assert [str(target) for page, target in inside if not (page.parent / target).exists()] == []
 
 
 NAMED = sorted(
@@ -86,6 +84,7 @@ NAMED = sorted(
 )
 
 
-@pytest.mark.parametrize("path", NAMED)
-def test_paths_named_are_there(path):
-    assert (ROOT / path).exists() or path.startswith("out/")
+def test_paths_named_are_there():
+    assert len(NAMED) > 50
+    kept = [path for path in NAMED if not path.startswith("out/")]
+    assert [path for path in kept if not (ROOT / path).exists()] == []

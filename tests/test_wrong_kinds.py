@@ -115,10 +115,10 @@ def refused(call, stranger, *errors):
     assert "ambiguous" not in told
 
 
-@pytest.mark.parametrize("stranger", STRANGERS.values(), ids=STRANGERS)
 @pytest.mark.parametrize("call", NOUNS.values(), ids=NOUNS)
-def test_another_kind_of_thing_is_refused_where_a_noun_is_expected(call, stranger):
-    refused(call, stranger, TypeError)
+def test_another_kind_of_thing_is_refused_where_a_noun_is_expected(call):
+    for stranger in STRANGERS.values():
+        refused(call, stranger, TypeError)
 
 
 DERIVATIVES = {

@@ -5,6 +5,7 @@ from math import factorial
 
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.core import Pieces
 
@@ -33,7 +34,7 @@ def exact(motion, coasting, t, k):
     return sum(terms), sum(map(abs, terms))
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", some(ORDERS, 5))
 def test_every_derivative_is_exact_to_rounding(order):
     motion, coasting = arrays(order), min(1, order - 1)
     times = np.random.default_rng(order).uniform(-3.0, motion[0][-1] + 1.0, 30)

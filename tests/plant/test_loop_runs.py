@@ -6,6 +6,7 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tiers import some
 
 from jounce.plant import (
     PID,
@@ -174,7 +175,7 @@ def random_problem(seed):
     }
 
 
-@pytest.mark.parametrize("seed", range(9))
+@pytest.mark.parametrize("seed", some(range(9), 5))
 def test_random_sticking_loops_are_what_small_steps_and_bisection_find(seed):
     p = random_problem(seed)
     axis = Axis(

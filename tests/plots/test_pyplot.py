@@ -107,7 +107,7 @@ def test_pyplot_shows_what_was_drawn(name):
     assert plt.gcf() is figure
 
 
-@pytest.mark.parametrize("name", some(EVERY, 5))
+@pytest.mark.parametrize("name", some(EVERY, 3))
 def test_pyplot_saves_what_was_drawn(name, tmp_path):
     EVERY[name]()
     plt.savefig(tmp_path / "picture.png", dpi=40)

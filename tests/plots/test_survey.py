@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from tiers import some
 
@@ -40,7 +39,7 @@ def drawn(name: str, found, ax: Axes) -> Axes:
 
 
 def render(figure: Figure) -> None:
-    FigureCanvasAgg(figure).draw()
+    figure.draw_without_rendering()
 
 
 @pytest.mark.parametrize("name", [*OF_SURVEY, *OF_MOVE, "plot_step"])
@@ -197,7 +196,7 @@ def test_responses_that_do_not_settle(telescope, ax):
     render(ax.figure)
 
 
-@pytest.mark.parametrize("name", some([r"$\oops$", "costs $5 or $6", "100 % _a_ ^b^ {c}[d]"], 2))
+@pytest.mark.parametrize("name", some([r"$\oops$", "costs $5 or $6", "100 % _a_ ^b^ {c}[d]"], 1))
 def test_names_are_drawn_as_they_are(name):
     scenario = load_scenario(EXAMPLES / "telescope.toml")
     moves = (replace(scenario.moves[0], name=name),)

@@ -278,7 +278,7 @@ def test_every_derivative_for_a_minimum_jerk_move(filter_order, distance):
     check_exact(JerkFilter(0.9, filter_order), move, 0.01, f"min_jerk_move({distance}, …)")
 
 
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("order", some(range(1, 7), 3))
 @pytest.mark.parametrize("filter_order", [2, 6])
 def test_every_derivative_for_a_motion_that_starts_and_ends_moving(order, filter_order):
     """Its acceleration and higher derivatives jump at both ends."""
@@ -325,7 +325,7 @@ def check_rows_agree(rows, expected, tolerance):
     np.testing.assert_allclose(rows / peaks, expected / peaks, rtol=0, atol=tolerance)
 
 
-@pytest.mark.parametrize("order", [1, 2, 4, 6])
+@pytest.mark.parametrize("order", some([1, 2, 4, 6], 2))
 @pytest.mark.parametrize("filter_order", [1, 4, 8])
 def test_dt_does_not_change_values(order, filter_order):
     jerk_filter, move = JerkFilter(1.1, filter_order), full_move(order)

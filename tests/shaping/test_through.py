@@ -159,7 +159,7 @@ def soonest_on_a_grid(points, limits, cells, around):
     return best
 
 
-@pytest.mark.parametrize(("limits", "seed"), some(itertools.product([SECOND, THIRD], [3, 4]), 2))
+@pytest.mark.parametrize(("limits", "seed"), some(itertools.product([THIRD, SECOND], [3, 4]), 1))
 def test_three_points_take_the_least_time_of_a_sampled_motion(limits, seed):
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (3, 2))
     path = through(points, limits)
@@ -171,7 +171,7 @@ def test_three_points_take_the_least_time_of_a_sampled_motion(limits, seed):
 
 
 @pytest.mark.parametrize("limits", [SECOND, THIRD], ids=repr)
-@pytest.mark.parametrize("corner", [0.02, 0.1, 0.5])
+@pytest.mark.parametrize("corner", some([0.02, 0.5, 0.1], 2))
 def test_a_corner_saves_time_and_is_kept(corner, limits):
     exact, path = through(PLANE, limits), through(PLANE, limits, corner=corner)
     assert path.duration < exact.duration

@@ -5,6 +5,7 @@ from math import nan
 import mpmath
 import numpy as np
 import pytest
+from tiers import some
 
 from jounce.analysis.frequency_view import (
     frequency_response,
@@ -52,7 +53,7 @@ def test_boxcars_have_nulls_at_multiples(limits, widths, unit):
     np.testing.assert_allclose(found, multiples(widths, 8.1), rtol=1e-10)
 
 
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("order", some(range(1, 7), 4))
 def test_nulls_are_zeros_and_none_is_missed(order):
     """Between nulls the real response has one sign, by samples far denser than the search."""
     limits = Limits.from_bounds([1.0, 3.7, 31.0, 400.0, 9e3, 3e5][:order])
@@ -124,7 +125,7 @@ def test_what_stays_and_what_moves():
     assert repr(whole) == "NullBySize(distances=3, frequency_hz=0.2, staying=0)"
 
 
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("order", some(range(1, 7), 3))
 def test_nulls_of_a_single_bound_move_as_the_duration(order):
     limits = Limits.from_bounds([*[None] * (order - 1), 5.0])
     found = null_by_size(limits, [0.1, 1.0, 10.0], 0.01)

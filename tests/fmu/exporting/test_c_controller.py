@@ -4,6 +4,7 @@ import control
 import numpy as np
 import pytest
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
+from tiers import some
 
 from jounce.fmu import SampledController
 from jounce.plant import PID, Inertia, InertiaFeedforward, ServoLoop, design_pid
@@ -31,7 +32,7 @@ def unit_inertia():
     return Inertia(1.0)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", some(VERSIONS[::-1], 1))
 @pytest.mark.parametrize("make", [measured, differenced])
 def test_it_is_the_controller_of_the_library(make, version):
     names = ["r", "r_acceleration", "y"] + (["r_rate", "y_rate"] if make is measured else [])

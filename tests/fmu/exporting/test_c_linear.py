@@ -6,6 +6,7 @@ import pytest
 from fmpy import simulate_fmu
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
 from scipy.linalg import expm
+from tiers import some
 
 from jounce.fmu import export_fmu
 from jounce.plant import Inertia
@@ -72,7 +73,7 @@ def assert_near(rows, expected, tolerance=1e-12):
     assert (np.abs(rows - expected) <= tolerance * scale).all(), np.abs(rows - expected).max(axis=1)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", some(VERSIONS[::-1], 1))
 @pytest.mark.parametrize("make", [stable, servo_plant, gain])
 def test_uneven_steps_are_exact(make, version):
     system = control.ss(make())

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmus import VERSIONS, Host, fmu_of, needs_compiler
+from tiers import some
 
 from jounce.fmu import export_fmu
 from jounce.shaping import Limits, Trajectory, min_time_move
@@ -41,7 +42,7 @@ def names_of(trajectory):
     return [derivative_name(k) for k in range(trajectory.order + 1)]
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", some(VERSIONS[::-1], 1))
 @pytest.mark.parametrize("make", MAKERS)
 def test_uneven_steps_give_what_python_gives(make, version):
     trajectory = make()

@@ -437,7 +437,10 @@ def test_moves_that_end_together_wait_first():
         assert_kept(motion, axis, bounds)
 
 
-@pytest.mark.parametrize("chosen", [slice(None), slice(0, 2), slice(3, 7), slice(4, 6)], ids=str)
+CHOSEN = [slice(3, 7), slice(0, 2), slice(4, 6), slice(None)]
+
+
+@pytest.mark.parametrize("chosen", some(CHOSEN, 2), ids=str)
 def test_moves_of_both_ends_together_keep_their_bounds(chosen):
     axes = some_axes()[chosen]
     longest_own = max(axis.duration for axis, _ in axes)
@@ -447,9 +450,7 @@ def test_moves_of_both_ends_together_keep_their_bounds(chosen):
         assert_kept(motion, axis, bounds)
 
 
-@pytest.mark.parametrize(
-    "chosen", some([slice(3, 7), slice(0, 2), slice(4, 6), slice(None)], 2), ids=str
-)
+@pytest.mark.parametrize("chosen", some(CHOSEN, 2), ids=str)
 def test_moves_on_a_straight_line_are_one_scaled_move_within_all_bounds(chosen):
     axes = some_axes()[chosen]
     motions = synchronize([axis for axis, _ in axes], "straight-line")

@@ -13,7 +13,7 @@ from jounce.shaping.optimal.whole.planner import planned
 
 SOLVABLE = [pytest.param(problem, id=problem.name) for problem in solvable()]
 QUICK = [problem for problem in SOLVABLE if problem.values[0].limits.order <= 5]
-FEW = SOLVABLE if SLOW else SOLVABLE[1::2]
+FEW = SOLVABLE if SLOW else SOLVABLE[1::3]
 SOLVED = cache(Bracketed.solve)
 
 

@@ -43,7 +43,7 @@ def test_backwards_in_time_it_takes_as_long(seed, order):
     assert back.duration == pytest.approx(there.duration, rel=GAP)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", some(range(12), 6))
 def test_order_3_agrees_with_the_exact_core(seed):
     problem = random_problem(seed, 3)
     try:
