@@ -26,6 +26,7 @@ from .specification import Labels, Mode, Move, Requirement, Specification, Track
 from .step_response import StepResponse, step_response
 from .surveyed_loop import compared_loops, decaying_poles, is_ideal
 from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
+from .unstable_loop import UnstableLoopError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,10 +34,6 @@ if TYPE_CHECKING:
 __all__ = ["MoveResponse", "MoveSurvey", "Survey", "UnstableLoopError", "survey"]
 
 _NO_GAIN = PeakGain(float("nan"), float("nan"))
-
-
-class UnstableLoopError(ValueError):
-    """The closed loop is not asymptotically stable, so that it has no survey."""
 
 
 @dataclass(frozen=True)

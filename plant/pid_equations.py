@@ -7,7 +7,6 @@ from math import cos, degrees, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -50,6 +49,8 @@ def gains_for(terms: Terms, crossover: float, phase: float, factor: float) -> It
         matrix = matrix / abs(matrix).max(axis=1, keepdims=True)
         side = side / abs(side).max(axis=1, keepdims=True)
         return np.asarray(np.linalg.det(np.concatenate([matrix, side[..., None]], axis=2)))
+
+    from scipy.optimize import brentq
 
     above = terms(np.array([crossover]))
     logs = np.log(crossover) + np.linspace(np.log(_LOWEST), -1e-6, _PLACES)
