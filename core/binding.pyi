@@ -1,6 +1,6 @@
 """The core in C, as `binding.c` shows it to Python."""
 
-from typing import TypeVar, final, overload
+from typing import Any, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -136,9 +136,8 @@ def transfer_pieces(
     end_states: FloatArray,
     /,
 ) -> None: ...
-def run_loop(
-    numbers: Numbers, controller: Numbers, /, *arrays: FloatArray
-) -> tuple[FloatArray, int]: ...
+def balance(matrix: FloatArray, scale: FloatArray, /) -> None: ...
+def run_loops(loops: tuple[tuple[Any, ...], ...], /) -> list[tuple[FloatArray, int]]: ...
 def fmi2_logger(strays: int, /) -> int: ...
 def move_durations(
     order: int,

@@ -153,10 +153,12 @@ def breaks_of(command: Command) -> FloatArray:
 
 
 def on_breaks(command: Command, times: FloatArray) -> FloatArray:
-    """Return times, those that rounding has parted from a break of the command on it."""
-    breaks = breaks_of(command)
-    nearest = breaks[np.clip(np.searchsorted(breaks, times), 0, len(breaks) - 1)]
-    before = breaks[np.clip(np.searchsorted(breaks, times) - 1, 0, len(breaks) - 1)]
-    slack = _ON_BREAK * max(float(np.abs(times).max(initial=0.0)), abs(float(breaks[-1])))
-    times = np.where(np.abs(times - nearest) <= slack, nearest, times)
-    return np.asarray(np.where(np.abs(times - before) <= slack, before, times))
+    """Return increasing times, those that rounding has parted from a break on it."""
+    breaks, found = breaks_of(command), times.copy()
+    if times.size:
+        slack = _ON_BREAK * max(abs(float(times[0])), abs(float(times[-1])), abs(float(breaks[-1])))
+        low = np.searchsorted(times, breaks - slack, side="left").tolist()
+        high = np.searchsorted(times, breaks + slack, side="right").tolist()
+        for first, last, at in zip(low, high, breaks, strict=True):
+            found[first:last] = at
+    return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
+from .balance import balanced
 from .exact_response import state_space
 from .linear_system import linear_system
 
@@ -206,13 +207,11 @@ def exponential_less_one(a: FloatArray, time: float) -> tuple[FloatArray, FloatA
 
     Both in one pass and without B, so that no unit of the inputs costs squarings.
     """
-    from scipy.linalg import matrix_balance
-
-    balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-    norm = float(np.abs(balanced).sum(axis=0).max(initial=0.0)) * time
+    matrix, scale = balanced(a)
+    norm = float(np.abs(matrix).sum(axis=0).max(initial=0.0)) * time
     doublings = max(ceil(log2(norm)) + 1, 0) if 0.0 < norm < np.inf else 0
     step = time * 0.5**doublings
-    small, one = balanced * step, np.eye(len(a))
+    small, one = matrix * step, np.eye(len(a))
     total = one
     for k in range(_TAYLOR_TERMS + 1, 1, -1):
         total = one + small @ total / k

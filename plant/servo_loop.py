@@ -256,6 +256,29 @@ class ServoLoop(Frozen):
             For a trajectory of too low an order (a derivative is then a train of impulses), a
             dt or duration that is not positive, or a loop that is unstable.
         """
+        scene = self.scene(
+            *(command, duration, disturbance, times, start, noise), jerk_filter=jerk_filter
+        )
+        if scene is None:
+            return self._respond_exactly(as_trajectory(command), dt, duration, jerk_filter)
+        return response_of(scene, dt, times)
+
+    def scene(
+        self,
+        command: Any,
+        duration: float | None = None,
+        disturbance: Any = None,
+        times: ArrayLike | None = None,
+        start: float | None = None,
+        noise: ArrayLike | None = None,
+        *,
+        jerk_filter: JerkFilter | None = None,
+    ) -> Scene | None:
+        """Return what `respond` simulates; None for a response by powers of a matrix.
+
+        That is what an undisturbed, linear, continuous loop on a grid has; the arguments are those
+        of `respond`.
+        """
         given = as_command(command)
         exact = isinstance(given, Trajectory) and not (
             self.is_digital
@@ -265,15 +288,14 @@ class ServoLoop(Frozen):
         )
         plain = exact and disturbance is None and times is None and start is None
         if plain and not (self.axis.spring or self.axis.constant_load):
-            return self._respond_exactly(given, dt, duration, jerk_filter)  # type: ignore[arg-type]
+            return None
         if jerk_filter is not None:
             raise ValueError(
                 "a jerk filter in front of a loop that is digital, disturbed or nonlinear: shape "
                 "the command by limits instead, or leave the filter out"
             )
         self._check_fed(given)
-        scene = self._scene(given, duration, disturbance, start, noise, times)
-        return response_of(scene, dt, times)
+        return self._scene(given, duration, disturbance, start, noise, times)
 
     def deviations(self, wind: Wind | None = None, *, encoder_noise: float = 0.0) -> LoopDeviations:
         """Return the standard deviations of the linear loop in wind and noise, the command still.
