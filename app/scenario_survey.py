@@ -15,7 +15,7 @@ from .scenario_commands import survey_conditions
 from .scenario_loop import jerk_filter_of, servo_loop_of
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ScenarioSurvey(Survey):
     """The survey of a loop that a scenario describes, with the scenario."""
 

@@ -136,6 +136,18 @@ def command_order(command: Any) -> int:
     return min((part.order for part in parts if isinstance(part, Trajectory)), default=MAX_ORDER)
 
 
+def highest_order(command: Command) -> int:
+    """Return the highest derivative of a command's polynomials that is not 0 everywhere."""
+    parts = command.parts if isinstance(command, Sum) else (command,)
+    return max(part.order if isinstance(part, Trajectory) else 1 for part in parts)
+
+
+def sines_of(command: Command) -> list[Sine]:
+    """Return the sines that a command is made of."""
+    parts = command.parts if isinstance(command, Sum) else (command,)
+    return [part for part in parts if isinstance(part, Sine)]
+
+
 def derivatives_of(command: Command, t: FloatArray, highest: int) -> FloatArray:
     """Return a command and its derivatives up to `highest` at times, one row each."""
     if not isinstance(command, Trajectory):

@@ -20,7 +20,9 @@ from ..shaping.trajectory import as_trajectory
 from .axis import Axis, as_axis
 from .closed_systems import (
     Sensitivity,
+    closed_model,
     closed_system,
+    named,
 )
 from .commands import Sum, as_command
 from .controller import Controller, as_controller
@@ -29,6 +31,7 @@ from .disturbances import Wind, checked_disturbances
 from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .filtered_loop import behind_filter, filter_outputs
+from .flexible_inertia import FlexibleInertia
 from .layout import start_of
 from .linear_system import static_gain
 from .loop_grid import response_of
@@ -36,10 +39,12 @@ from .loop_response import LoopResponse
 from .loop_transfers import (
     closed_transfer,
     known_by_polynomials,
+    open_model,
     open_transfer,
     sampled_transfer,
     sensitivity_of,
 )
+from .models import StateModel
 from .open_loop import OpenLoop, open_loop
 from .pid import Rate
 from .run import Scene
@@ -168,6 +173,14 @@ class ServoLoop(Frozen):
 
         There PS is the response to a torque that is held from sample to sample.
         """
+        return named(sensitivity_of(self))
+
+    def open_model(self) -> Any:
+        """Return L as bare numbers with poles, zeros and values, which need no python-control."""
+        return open_model(self)
+
+    def sensitivity_models(self) -> Sensitivity:
+        """Return S, T, PS and CS in the same way."""
         return sensitivity_of(self)
 
     @cached_property
@@ -192,6 +205,19 @@ class ServoLoop(Frozen):
             inputs=["r", "r_rate", "r_acceleration"],
             outputs=outputs,
             name="servo_loop",
+        )
+
+    @cached_property
+    def model(self) -> StateModel:
+        """The numbers of `system`."""
+        if isinstance(self.plant, FlexibleInertia) and known_by_polynomials(self):
+            return StateModel.of(self._interconnection)
+        whole = closed_model(self.axis, self.open_loop)
+        if not known_by_polynomials(self):
+            return whole
+        missing = ((0, 0), (0, 3 - whole.ninputs))
+        return StateModel(
+            whole.A, np.pad(whole.B, missing), whole.C[:3], np.pad(whole.D[:3], missing)
         )
 
     def system(self) -> control.StateSpace:
@@ -383,7 +409,7 @@ class ServoLoop(Frozen):
         """Return the response of a linear, continuous loop on a grid, by powers of a matrix."""
         if dt is None:
             raise ValueError("dt is missing: give the spacing of the time grid, or times=…")
-        fed = self.system().ninputs
+        fed = self.model.ninputs
         if jerk_filter is None:
             check_fed(as_trajectory(trajectory), range(fed))
         elif fed > 3:
@@ -393,7 +419,7 @@ class ServoLoop(Frozen):
             )
         start = float(as_trajectory(trajectory).start_state[0])
         moved = trajectory.shift(-start)
-        system, initial, behind = self.system(), np.zeros(self.system().nstates), None
+        system, initial, behind = self.model, np.zeros(self.model.nstates), None
         if jerk_filter is not None:
             behind = filter_outputs(checked_filter(jerk_filter), moved)
             system, fed, initial = behind_filter(system, jerk_filter, moved, behind)

@@ -158,7 +158,8 @@ def _run(prepared: _Prepared, segments: FloatArray, status: int) -> Run:
             "unstable; shorten the duration"
         )
     times, modes, states = segments[:, 0], segments[:, 1].astype(int), segments[:, 2:]
-    return Run(scene, prepared.hybrid, prepared.layout, times, modes, states, prepared.samples)
+    known = prepared.hybrid, prepared.layout
+    return Run(scene, *known, times, modes, states, prepared.samples, prepared.norm)
 
 
 def _sampled_command(scene: Scene) -> tuple[FloatArray, FloatArray]:

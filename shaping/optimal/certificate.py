@@ -14,6 +14,7 @@ from ..closed_moves import closed_form_move
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
 from ..pieces import FloatArray, evaluate
+from ..told import Told
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .bound_search import BoundSearch
 from .half_problem import HalfProblem
@@ -35,8 +36,8 @@ _LOW_ORDER_TARGET = 1e-9
 _TARGETS = (1.0, 0.5, 0.2)  # of the gap asked for: searches, the next where one was not enough
 
 
-@dataclass(frozen=True)
-class Certificate:
+@dataclass(frozen=True, repr=False)
+class Certificate(Told):
     """A proof of how near a motion is to the minimum time under its limits.
 
     Attributes
