@@ -1,56 +1,129 @@
 """Margins and surveys of servo loops, shapers as filters, conformance: results, no pictures."""
 
-from .disturbances import Disturbances
-from .frequency_view import (
-    CascadedLags,
-    DescribingFunction,
-    FirstOrderLag,
-    FrequencyResponse,
-    NullBySize,
-    PeriodicResponse,
-    ShaperSensitivity,
-    VibrationMap,
-    cascaded_lags,
-    corner_omega,
-    describing_function,
-    fft_frequency_response,
-    first_order_lag,
-    frequency_response,
-    null_by_size,
-    null_omegas,
-    null_rise_time,
-    periodic_response,
-    place_null,
-    rate_limiter_corner_omega,
-    residual_vibration,
-    rollover_db_per_decade,
-    sensitivity_of_shapers,
-    vibration_map,
-)
-from .limit_trials import LimitTrial
-from .limit_tuning import TunedLimits, tune_limits
-from .log_conformance import Conformance, conformance, read_log
-from .loop_survey import Survey, UnstableLoopError, survey
-from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
-from .measured import (
-    ClosedResponses,
-    EstimatedFRF,
-    FittedAxis,
-    MeasuredMargins,
-    MeasuredResponse,
-    Multisine,
-    RepeatedMargins,
-    closed_responses,
-    estimate_frf,
-    fit_axis,
-    multisine,
-    open_loop,
-    plant_response,
-    read_frf,
-    repeated_margins,
-)
-from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
-from .tuning import TunedPID, tune_pid
+from typing import TYPE_CHECKING
+
+from ..later import later
+
+if TYPE_CHECKING:
+    from .disturbances import Disturbances
+    from .frequency_view import (
+        CascadedLags,
+        DescribingFunction,
+        FirstOrderLag,
+        FrequencyResponse,
+        NullBySize,
+        PeriodicResponse,
+        ShaperSensitivity,
+        VibrationMap,
+        cascaded_lags,
+        corner_omega,
+        describing_function,
+        fft_frequency_response,
+        first_order_lag,
+        frequency_response,
+        null_by_size,
+        null_omegas,
+        null_rise_time,
+        periodic_response,
+        place_null,
+        rate_limiter_corner_omega,
+        residual_vibration,
+        rollover_db_per_decade,
+        sensitivity_of_shapers,
+        vibration_map,
+    )
+    from .limit_trials import LimitTrial
+    from .limit_tuning import TunedLimits, tune_limits
+    from .log_conformance import Conformance, conformance, read_log
+    from .loop_survey import Survey, survey
+    from .margins import LoopMargins, ManyMargins, loop_margins, many_loop_margins, servo_margins
+    from .measured import (
+        ClosedResponses,
+        EstimatedFRF,
+        FittedAxis,
+        MeasuredMargins,
+        MeasuredResponse,
+        Multisine,
+        RepeatedMargins,
+        closed_responses,
+        estimate_frf,
+        fit_axis,
+        multisine,
+        open_loop,
+        plant_response,
+        read_frf,
+        repeated_margins,
+    )
+    from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
+    from .tuning import TunedPID, tune_pid
+    from .unstable_loop import UnstableLoopError
+
+# Imported when they are first asked for, so that a command starts soon.
+_LATER = {
+    "CascadedLags": "frequency_view",
+    "ClosedResponses": "measured",
+    "Conformance": "log_conformance",
+    "DescribingFunction": "frequency_view",
+    "Disturbances": "disturbances",
+    "EstimatedFRF": "measured",
+    "FIGURES": "specification",
+    "FirstOrderLag": "frequency_view",
+    "FittedAxis": "measured",
+    "FrequencyResponse": "frequency_view",
+    "Labels": "specification",
+    "LimitTrial": "limit_trials",
+    "LoopMargins": "margins",
+    "ManyMargins": "margins",
+    "MeasuredMargins": "measured",
+    "MeasuredResponse": "measured",
+    "Mode": "specification",
+    "Move": "specification",
+    "Multisine": "measured",
+    "NullBySize": "frequency_view",
+    "PeriodicResponse": "frequency_view",
+    "RepeatedMargins": "measured",
+    "Requirement": "specification",
+    "ShaperSensitivity": "frequency_view",
+    "Specification": "specification",
+    "Survey": "loop_survey",
+    "Tracking": "specification",
+    "TunedLimits": "limit_tuning",
+    "TunedPID": "tuning",
+    "UnstableLoopError": "unstable_loop",
+    "VibrationMap": "frequency_view",
+    "cascaded_lags": "frequency_view",
+    "closed_responses": "measured",
+    "conformance": "log_conformance",
+    "corner_omega": "frequency_view",
+    "describing_function": "frequency_view",
+    "estimate_frf": "measured",
+    "fft_frequency_response": "frequency_view",
+    "first_order_lag": "frequency_view",
+    "fit_axis": "measured",
+    "frequency_response": "frequency_view",
+    "loop_margins": "margins",
+    "many_loop_margins": "margins",
+    "multisine": "measured",
+    "null_by_size": "frequency_view",
+    "null_omegas": "frequency_view",
+    "null_rise_time": "frequency_view",
+    "open_loop": "measured",
+    "periodic_response": "frequency_view",
+    "place_null": "frequency_view",
+    "plant_response": "measured",
+    "rate_limiter_corner_omega": "frequency_view",
+    "read_frf": "measured",
+    "read_log": "log_conformance",
+    "repeated_margins": "measured",
+    "residual_vibration": "frequency_view",
+    "rollover_db_per_decade": "frequency_view",
+    "sensitivity_of_shapers": "frequency_view",
+    "servo_margins": "margins",
+    "survey": "loop_survey",
+    "tune_limits": "limit_tuning",
+    "tune_pid": "tuning",
+    "vibration_map": "frequency_view",
+}
 
 __all__ = [
     "FIGURES",
@@ -118,6 +191,4 @@ __all__ = [
     "vibration_map",
 ]
 
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = later(__name__, _LATER, __all__)

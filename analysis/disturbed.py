@@ -13,6 +13,7 @@ import numpy as np
 from ..plant import LoopResponse, Ramp, ServoLoop, Spectrum, TorqueSteps, Wind
 from ..plant.response_figures import load_extremes, rms_error
 from ..shaping.checks import finite
+from ..shaping.told import Told
 from .specification import Tracking
 from .surveyed_loop import Poles, followed_until, linear_part, shown_times
 
@@ -23,8 +24,8 @@ _RECOVERED = 0.1  # of the peak
 _DECAY = log(1e6)
 
 
-@dataclass(frozen=True, eq=False)
-class DisturbanceStep:
+@dataclass(frozen=True, eq=False, repr=False)
+class DisturbanceStep(Told):
     """The loop's response to steps of torque, its command still.
 
     Attributes
@@ -76,8 +77,8 @@ class ErrorSource:
     remark: str
 
 
-@dataclass(frozen=True, eq=False)
-class TrackingSurvey:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackingSurvey(Told):
     """How a loop, as it is, follows a command that goes on; errors are those of the load."""
 
     name: str

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -81,6 +80,8 @@ def largest_integral_gain(terms: Complex, start: Real, around: tuple[Circle, ...
 
 def _next(terms: Complex, gains: Real, around: tuple[Circle, ...]) -> Real:
     """Return the solution of one program, in units of the present gains; else the gains."""
+    from scipy.optimize import linprog
+
     loop = terms @ gains
     scale = np.maximum(gains, 1e-12 * gains.max())
     rows, least = [], []

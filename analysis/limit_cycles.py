@@ -7,6 +7,7 @@ from math import inf, isfinite, log, nan, pi, sqrt
 
 from ..plant import LoopResponse, Ramp, ServoLoop
 from ..plant.response_figures import load_extremes
+from ..shaping.told import Told
 from .disturbed import friction_spike
 from .margins import LoopMargins
 from .surveyed_loop import Poles, followed_until
@@ -58,8 +59,8 @@ class Standstill:
     next_breakaway_s: float
 
 
-@dataclass(frozen=True)
-class LimitCycles:
+@dataclass(frozen=True, repr=False)
+class LimitCycles(Told):
     """Limit cycles of a loop with friction or resolution.
 
     Attributes

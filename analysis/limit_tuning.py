@@ -14,6 +14,7 @@ from ..shaping import InputShaper, Limits, Trajectory, input_shaper, min_time_mo
 from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
+from ..shaping.told import Told
 from .limit_trials import Bench, Family, LimitTrial
 from .margins import loop_margins
 
@@ -29,8 +30,8 @@ _FINALISTS = 20
 _LIGHT = 0.3  # damping below which a mode rings
 
 
-@dataclass(frozen=True, eq=False)
-class TunedLimits(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class TunedLimits(Told, Frozen):
     """The move that settled soonest, and all that were tried.
 
     Attributes

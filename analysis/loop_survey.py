@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
 from ..shaping.drawing import draw
+from ..shaping.told import Rows, Told
 from .disturbed import (
     DisturbanceStep,
     ErrorSource,
@@ -28,6 +29,7 @@ from .specification import Labels, Mode, Move, Requirement, Specification, Track
 from .step_response import StepResponse, step_response
 from .surveyed_loop import compared_loops, decaying_poles, is_ideal
 from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
+from .unstable_loop import UnstableLoopError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,10 +37,6 @@ if TYPE_CHECKING:
 __all__ = ["MoveResponse", "MoveSurvey", "Survey", "UnstableLoopError", "survey"]
 
 _NO_GAIN = PeakGain(float("nan"), float("nan"))
-
-
-class UnstableLoopError(ValueError):
-    """The closed loop is not asymptotically stable, so that it has no survey."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +59,8 @@ class SpecificationCheck:
         return abs(self.achieved - self.asked) <= 1e-3 * abs(self.asked)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Survey:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Survey(Told):
     """Everything that the survey of a loop found, in SI units.
 
     Attributes
@@ -142,6 +140,21 @@ class Survey:
     def notes(self) -> tuple[str, ...]:
         """Sentences on what is idealised, where, and on limit cycles."""
         return tuple(_notes(self))
+
+    def table_rows(self) -> Rows:
+        """Return margins, moves and requirements."""
+        margins = self.margins
+        yield "crossover", f"{margins.crossover_hz:.5g} Hz"
+        yield "phase margin", f"{margins.phase_margin_deg:.5g} deg"
+        lower, upper = margins.lower_gain_margin_db, margins.upper_gain_margin_db
+        yield "gain margins", f"lower {lower:.5g} dB, upper {upper:.5g} dB"
+        yield "peaks", f"S {margins.sensitivity_peak:.5g}, T {margins.complementary_peak:.5g}"
+        for move in self.moves:
+            settled = move.configured.load_settling_time_s
+            yield move.name, f"{move.duration_s:.5g} s, load settled after {settled:.5g} s"
+        for check in self.requirements:
+            asked, achieved, verdict = check.shown(self.labels)
+            yield check.requirement.name, f"asked {asked}, achieved {achieved}, {verdict}"
 
     def plot(self) -> Figure:
         """Draw the survey in pyplot's current figure, or a new one if that is not empty."""
@@ -273,7 +286,7 @@ def _unstable(margins: LoopMargins) -> str:
 
 def _peaks(loop: ServoLoop) -> tuple[PeakGain, PeakGain]:
     """Return the peaks of PS and CS."""
-    curves = loop.sensitivity()
+    curves = loop.sensitivity_models()
     return peak_gain(curves.PS), peak_gain(curves.CS)
 
 

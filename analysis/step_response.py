@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..plant import ServoLoop, respond
-from ..plant.linear_system import linear_system
+from ..plant import ServoLoop
+from ..plant.exact_response import respond_on_grid
+from ..plant.models import StateModel
 from ..shaping import Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from ..shaping.told import Told
 from ..shaping.trajectory import point
 from .sampling import clock_for, followed, thinned
 from .surveyed_loop import followed_until, is_ideal, linear_part
-
-if TYPE_CHECKING:
-    import control
 
 KEPT = 50_000
 """Samples kept of a response, of all those that its figures are taken from."""
@@ -28,8 +26,8 @@ _PER_SAMPLE = 10
 _DECAY = log(1e5)  # every mode is followed until this much of it has died away
 
 
-@dataclass(frozen=True, eq=False)
-class StepResponse(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class StepResponse(Told, Frozen):
     """Response of the closed loop, without feedforward, to a unit step of the command.
 
     `rise_time_s` is from 10 to 90 %, `settling_time_s` to ±2 %.
@@ -74,29 +72,28 @@ def step_response(loop: ServoLoop, poles: NDArray[np.complex128]) -> StepRespons
 
 def _continuous_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:
     bare = ServoLoop(loop.plant, loop.controller)
-    closed = bare.closed_loop() if is_ideal(bare) else _from_position(linear_part(bare).system())
+    closed = _from_position(bare.model if is_ideal(bare) else linear_part(bare).model)
 
     def respond_to_step(dt: float, duration: float) -> tuple[FloatArray, ...]:
-        response = respond(closed, point(1.0, 1), dt, duration=duration)
-        return np.asarray(response.time), np.asarray(response.outputs)
+        still = np.zeros(closed.nstates)
+        time, *_, outputs = respond_on_grid(closed, (0,), point(1.0, 1), dt, duration, still)
+        return time, outputs[0]
 
     return followed(respond_to_step, clock_for(poles, _DECAY))
 
 
-def _from_position(system: control.StateSpace) -> control.StateSpace:
+def _from_position(system: StateModel) -> StateModel:
     """Return r → y of a system (r, ṙ, …) → (y, …), the derivatives taken inside.
 
     With s^k·(s − A)⁻¹ = (s − A)⁻¹·A^k + Σ_j A^j·s^(k−1−j), of which y sees j = k − 1 alone.
     """
-    a, b, c = (np.asarray(part) for part in (system.A, system.B, system.C[:1]))
+    a, b, c = system.A, system.B, system.C[:1]
     direct, drive, power = system.D[0, 0], b[:, :1], np.eye(len(a))
     for k in range(1, b.shape[1]):
         direct = direct + (c @ power @ b[:, k]).item()
         power = power @ a
         drive = drive + power @ b[:, k : k + 1]
-    names = [f"x_{i}" for i in range(len(a))]
-    matrices = (a, drive, c, np.array([[direct]]))
-    return linear_system(matrices, 0, inputs=["r"], outputs=["y"], states=names)
+    return StateModel(a, drive, c, np.array([[direct]]))
 
 
 def _sampled_step(loop: ServoLoop, poles: NDArray[np.complex128]) -> tuple[FloatArray, ...]:

@@ -14,6 +14,7 @@ from ..plant.response_figures import load_extremes, peak_torque
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from ..shaping.told import Told
 from .disturbances import Disturbances
 from .frequency_view import residual_vibration
 from .planned_moves import planned
@@ -23,8 +24,8 @@ from .step_response import KEPT
 from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
 
 
-@dataclass(frozen=True, eq=False)
-class MoveResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class MoveResponse(Told):
     """One response to a move, with its figures in SI units.
 
     Attributes
@@ -66,8 +67,8 @@ class MoveResponse:
     next_breakaway_s: float = nan
 
 
-@dataclass(frozen=True, eq=False)
-class MoveSurvey(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class MoveSurvey(Told, Frozen):
     """A move, shaped, filtered and run through the loop.
 
     `responses` maps a name to a response: "without feedforward", "with feedforward", and Ĵ

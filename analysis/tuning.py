@@ -14,6 +14,7 @@ from ..plant.frequency_points import frequency_points
 from ..plant.open_gains import OpenGains, pure_delay
 from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
+from ..shaping.told import Told
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
 from .measured import MeasuredMargins, MeasuredResponse, is_frd
@@ -27,8 +28,8 @@ _SHAPES = ((0.35, 0.02), (0.82, 0.15), (0.2, 0.005), (1e-3, 1e-7))
 """Starts: kp and ki of a double integrator with unit crossover and kr."""
 
 
-@dataclass(frozen=True)
-class TunedPID(Frozen):
+@dataclass(frozen=True, repr=False)
+class TunedPID(Told, Frozen):
     """A tuned controller and the margins of its loop.
 
     Attributes

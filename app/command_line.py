@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from ..shaping.plain_moves import Method
     from .plan import Plan
+    from .scenario_survey import ScenarioSurvey
 
 BAD_INPUT = 2
 
@@ -44,8 +45,6 @@ app.add_typer(export_app, name="export")
 
 def main() -> None:
     """Run the command line; exit status 0 done, 1 a check failed, 2 bad input."""
-    from ..analysis.loop_survey import UnstableLoopError
-
     if isinstance(sys.stdout, TextIOWrapper):  # not every terminal has a Ĵ
         sys.stdout.reconfigure(errors="replace")
     try:
@@ -59,10 +58,10 @@ def main() -> None:
         raise SystemExit(BAD_INPUT) from None
     except typer.Abort:
         raise SystemExit(CHECK_FAILED) from None
-    except UnstableLoopError as error:
-        _fail(error, CHECK_FAILED)
     except (ValueError, OSError) as error:
-        _fail(error, BAD_INPUT)
+        from ..analysis.unstable_loop import UnstableLoopError
+
+        _fail(error, CHECK_FAILED if isinstance(error, UnstableLoopError) else BAD_INPUT)
 
 
 def _print_version(asked: bool) -> None:
@@ -90,23 +89,44 @@ def _jounce(
 def survey_command(
     scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for survey.json, CSV and pictures.")
-    ],
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for survey.json, CSV and the picture; files of the same names are "
+            "replaced. Default: none is written.",
+        ),
+    ] = None,
+    details: Annotated[
+        bool, typer.Option("--details", help="With --output: a second page with the details, too.")
+    ] = False,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="With --output: the pictures as PDF, too.")
+    ] = False,
     overrides: OVERRIDES = None,
 ) -> None:
-    """Print a loop's margins, design check and moves; write them with pictures to a folder."""
+    """Print a loop's margins, design check and moves; with --output write them with a picture."""
     from .overrides import read_overrides
-    from .result_files import write_survey
     from .scenario_survey import survey_file
     from .survey_report import survey_tables
 
+    asked = next((name for name, given in (("--details", details), ("--pdf", pdf)) if given), None)
+    if output is None and asked:
+        raise ValueError(f"{asked} without --output: name the folder that pictures go to")
     found = survey_file(scenario, overrides=read_overrides(overrides or ()))
-    files = write_survey(found, output)
+    written = [] if output is None else [_write_survey(found, output, details=details, pdf=pdf)]
     given = [f"with {text}" for text in found.scenario.overrides]
     print_parts(found.scenario.title, *given, *survey_tables(found))
     print_parts(*found.notes)
     print_parts(*found.findings)
-    print_parts(f"Wrote {', '.join(path.name for path in files)} to {output}")
+    print_parts(*written)
+
+
+def _write_survey(found: ScenarioSurvey, output: Path, *, details: bool, pdf: bool) -> str:
+    from .result_files import write_survey
+
+    files = write_survey(found, output, details=details, pdf=pdf)
+    return f"Wrote {', '.join(path.name for path in files)} to {output}"
 
 
 @app.command("schema")
@@ -222,7 +242,8 @@ def plan_command(
         proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
     elif closed_form:
         proofs.append(excess_text(plan))
-    _write_plan(plan, csv, plot)
+    if csv is not None or plot is not None:
+        _write_plan(plan, csv, plot)
     print_parts(*plan_tables(plan, pieces=pieces), *proofs, *plan.remarks)
     for path in (csv, plot):
         if path is not None:

@@ -10,6 +10,7 @@ from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
 from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
 from ..shaping.plain_moves import Method
+from ..shaping.told import Told
 from .units import (
     DURATION,
     Kind,
@@ -26,8 +27,8 @@ HIGHEST_DERIVATIVE = MAX_MOVE_ORDER
 """Highest derivative that a limit can be given for."""
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, repr=False)
+class Plan(Told):
     """A planned move and the unit to show it in; the trajectory is in rad or m, and seconds.
 
     Attributes

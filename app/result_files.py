@@ -38,7 +38,9 @@ _CSV_ROWS = 4_000
 _LONGEST_NAME = 40
 
 
-def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
+def write_survey(
+    survey: ScenarioSurvey, folder: Path, *, details: bool = False, pdf: bool = False
+) -> list[Path]:
     """Write survey.json, CSV responses and the picture of a survey into a folder.
 
     Parameters
@@ -46,14 +48,17 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
     survey : ScenarioSurvey
     folder : Path
         Made if it is not there; files of the same names are replaced, others left alone.
+    details : bool, optional
+        Whether a loop that is not ideal gets a second page, details.png.
+    pdf : bool, optional
+        Whether the pictures are written as PDF, too.
 
     Returns
     -------
     list of Path
-        The files: survey.json, survey.png, survey.pdf, step.csv, one move_*.csv per move (each
-        with at most 4000 of the samples that the figures in survey.json are taken from); of a
-        loop that is not ideal details.png and details.pdf, too, and of what was asked for
-        disturbance.csv and one tracking_*.csv per command.
+        The files: survey.json, survey.png, step.csv, one move_*.csv per move (each with at most
+        4000 of the samples that the figures in survey.json are taken from), and of what was asked
+        for disturbance.csv, one tracking_*.csv per command, details.png and PDFs.
 
     Raises
     ------
@@ -63,7 +68,6 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
     from matplotlib.figure import Figure
 
     from ..plots.survey import plot_survey
-    from ..plots.survey_details import plot_survey_details
 
     with _all_or_nothing(folder) as draft:
         text = json.dumps(survey_data(survey), indent=2, ensure_ascii=False, allow_nan=False)
@@ -74,11 +78,13 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
             _write_move(survey, move, draft / f"move_{i}_{slug(move.name)}.csv")
         _write_others(survey, draft)
         pages = {"survey": plot_survey(survey, figure=Figure())}  # without pyplot and a display
-        if not survey.is_ideal:
+        if details and not survey.is_ideal:
+            from ..plots.survey_details import plot_survey_details
+
             pages["details"] = plot_survey_details(survey, figure=Figure())
         for name, figure in pages.items():
-            save_figure(figure, draft / f"{name}.png")
-            save_figure(figure, draft / f"{name}.pdf")
+            for suffix in (".png", ".pdf")[: 1 + pdf]:
+                save_figure(figure, draft / f"{name}{suffix}")
         names = sorted(path.name for path in draft.iterdir())
     return [folder / name for name in names]
 

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from ..analysis.specification import Bound, Mode, Move, Requirement, Specification
 from ..shaping.frozen import Frozen
+from ..shaping.told import Told
 from . import scenario_checks as checks
 from .counted_units import counted_factor
 from .overrides import override
@@ -54,8 +55,8 @@ class ScenarioError(ValueError):
     """A scenario file cannot be used; its message has a line for each problem."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scenario(Frozen):
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Scenario(Told, Frozen):
     """A scenario file's content in SI units.
 
     Attributes

@@ -7,14 +7,15 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from ..analysis.loop_survey import Survey, UnstableLoopError, survey
+from ..analysis.loop_survey import Survey, survey
 from ..analysis.specification import Labels
+from ..analysis.unstable_loop import UnstableLoopError
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
 from .scenario_loop import jerk_filter_of, servo_loop_of
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ScenarioSurvey(Survey):
     """The survey of a loop that a scenario describes, with the scenario."""
 

@@ -9,15 +9,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, DecimalException
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any, Literal
+from functools import lru_cache
+from typing import Literal
 
 from ..shaping.derivatives import derivative_name
-from ..units import BASE, PREFIXES, SPELLINGS, UNITS
-
-if TYPE_CHECKING:
-    from pint import UnitRegistry
-    from pint.util import UnitsContainer
+from ..units import SPELLINGS
+from .unit_products import Dimension, Product, UnknownUnitError, product_of
 
 Motion = Literal["angle", "length"]
 
@@ -28,7 +25,7 @@ _SPELLINGS = str.maketrans(
 )
 _POWER = r"[A-Za-z]+(?:\*\*-?[1-9][0-9]?)?"
 _FACTOR = rf"(?:{_POWER}|\({_POWER}(?:\*{_POWER})*\)(?:\*\*[1-9][0-9]?)?)"
-# A product behind a solidus is refused: a/b c is read as a/(b c) by people, as (a/b) c by pint.
+# A product behind a solidus is refused: a/b c is read as a/(b c) by people, as (a/b) c by rule.
 _UNIT = re.compile(rf"{_FACTOR}(?:\*{_FACTOR})*(?:/{_FACTOR})*")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b", re.IGNORECASE)
@@ -330,7 +327,7 @@ def _scaled(number: str, scale: Decimal) -> float:
     return value
 
 
-def _matching(dimension: "UnitsContainer", kinds: Sequence[Kind]) -> Kind:
+def _matching(dimension: Dimension, kinds: Sequence[Kind]) -> Kind:
     for kind in kinds:
         if _root(kind.unit)[1] == dimension:
             return kind
@@ -338,46 +335,17 @@ def _matching(dimension: "UnitsContainer", kinds: Sequence[Kind]) -> Kind:
 
 
 @lru_cache(maxsize=1024)
-def _root(unit: str) -> tuple[Decimal, "UnitsContainer"]:
-    """Return a unit's SI value and its dimension; pint sees nothing but names and exponents."""
+def _root(unit: str) -> Product:
+    """Return a unit's SI value and its dimension."""
     joined = re.sub(r"\s*(\*\*|[*/()])\s*", r"\1", _spelled(unit))
     product = re.sub(r"\s+|(?<=\w)(?=\()|(?<=\))(?=\w)", "*", joined)
     if len(product) > _LONGEST_TEXT or _UNIT.fullmatch(product) is None:
         misread = re.search(r"\w/\w.*\*", product)
         hint = " (a product in a denominator needs parentheses)" if misread else ""
         raise UnitError(f"has no readable unit{hint}")
-    from pint import UndefinedUnitError
-
     try:
-        quantity = _registry().Quantity(Decimal(1), product).to_root_units()
-    except UndefinedUnitError as error:
-        names = error.unit_names
-        name = names if isinstance(names, str) else next(iter(names))
-        raise UnitError(f"has the unknown unit {name!r}") from None
+        return product_of(product)
+    except UnknownUnitError as error:
+        raise UnitError(f"has the unknown unit {str(error)!r}") from None
     except (DecimalException, OverflowError) as error:
         raise UnitError(_OUT_OF_RANGE) from error
-    return quantity.magnitude, quantity.dimensionality
-
-
-@cache
-def _registry() -> "UnitRegistry[Any]":
-    # Its own definitions take longer to read than pint to import, and make the radian a number.
-    # Decimals keep 1 kHz at exactly 1000 Hz: every value is rounded once, at the end.
-    from pint import UnitRegistry
-
-    registry: UnitRegistry[Any] = UnitRegistry(None, non_int_type=Decimal)
-    for symbol, (word, size) in PREFIXES.items():
-        registry.define(f"{word}- = {size} = {symbol}-")
-    for symbol in BASE:
-        registry.define(f"{symbol} = [{symbol}]{_words(symbol)}")
-    for symbol, unit in UNITS.items():
-        if symbol not in BASE and not unit.zero:
-            powers = unit.powers | ({"rev": 1} if symbol == "Hz" else {})
-            product = " * ".join([str(unit.size), *(f"{b} ** {n}" for b, n in powers.items())])
-            registry.define(f"{symbol} = {product}{_words(symbol)}")
-    registry.define("decibel = [level] = dB")
-    return registry
-
-
-def _words(symbol: str) -> str:
-    return "".join(f" = {word}" for word in ("_", *UNITS[symbol].words))

@@ -1,5 +1,6 @@
 /* The core as one unit, so that the compiler sees through all of its calls. */
 #include "../core/automaton.c"
+#include "../core/balance.c"
 #include "../core/controller.c"
 #include "../core/evaluation.c"
 #include "../core/families.c"

@@ -1805,7 +1805,7 @@ static PyType_Spec follower_spec = {
 
 enum { LOOP_NUMBERS = 14, CONTROLLER_NUMBERS = 16, LOOP_ARRAYS = 18, MOST_SEGMENTS = 2000000 };
 
-/* What run_loop is given, as the core takes it. */
+/* What a loop is given, as the core takes it. */
 typedef struct {
     jounce_automaton automaton;
     jounce_controller controller;
@@ -1973,47 +1973,127 @@ static PyObject *segments_of(State *state, const jounce_run *run, int width) {
     return result;
 }
 
-static PyObject *run_loop(PyObject *module, PyObject *const *args, Py_ssize_t given) {
-    double numbers[LOOP_NUMBERS], controller[CONTROLLER_NUMBERS];
-    Py_buffer views[LOOP_ARRAYS];
-    PyObject *segments, *result = NULL;
+/* One of the loops that run_loops is given, and what comes of it. */
+typedef struct {
+    Loop loop;
     jounce_run run;
     jounce_status status;
-    Loop l;
-    if (!expect(given, 2 + LOOP_ARRAYS, "run_loop(numbers, controller, 18 arrays)")) {
+    Py_buffer views[LOOP_ARRAYS];
+} Lane;
+
+/* Read numbers, controller and arrays out of a tuple; `lane` stays where it is. */
+static int read_lane(PyObject *given, Lane *lane) {
+    double numbers[LOOP_NUMBERS], controller[CONTROLLER_NUMBERS];
+    PyObject *parts[2 + LOOP_ARRAYS];
+    Loop *l = &lane->loop;
+    int i;
+    if (!PyTuple_Check(given) || PyTuple_Size(given) != 2 + LOOP_ARRAYS) {
+        PyErr_SetString(PyExc_TypeError, "expected tuples (numbers, controller, 18 arrays)");
+        return 0;
+    }
+    for (i = 0; i < 2 + LOOP_ARRAYS; i++) {
+        parts[i] = PyTuple_GetItem(given, i);
+    }
+    if (plain_numbers(parts[0], numbers, LOOP_NUMBERS) != LOOP_NUMBERS ||
+        plain_numbers(parts[1], controller, CONTROLLER_NUMBERS) != CONTROLLER_NUMBERS) {
+        if (!PyErr_Occurred()) {
+            PyErr_SetString(PyExc_ValueError, "too few numbers");
+        }
+        return 0;
+    }
+    read_numbers(l, numbers);
+    read_controller(&l->controller, controller);
+    if (!loop_makes_sense(l) || !look_into_loop(parts + 2, l, lane->views)) {
+        return 0;
+    }
+    point_into(l, lane->views);
+    lane->run.automaton = &l->automaton;
+    lane->run.steps[0] = l->steps[0];
+    lane->run.steps[1] = l->steps[1];
+    lane->run.z = lane->views[5].buf;
+    lane->run.room = room_for(l);
+    return 1;
+}
+
+static void clear_lanes(Lane *lanes, Py_ssize_t count) {
+    Py_ssize_t i;
+    for (i = 0; i < count; i++) {
+        free(lanes[i].run.segments);
+        free(lanes[i].run.work);
+        release(lanes[i].views, LOOP_ARRAYS);
+    }
+    PyMem_Free(lanes);
+}
+
+/* A list of (segments, status), one of each lane. */
+static PyObject *outcomes_of(State *state, const Lane *lanes, Py_ssize_t count) {
+    PyObject *list = PyList_New(count);
+    Py_ssize_t i;
+    for (i = 0; i < count && list != NULL; i++) {
+        const Lane *lane = &lanes[i];
+        PyObject *segments = lane->run.segments == NULL
+                                 ? PyErr_NoMemory()
+                                 : segments_of(state, &lane->run, lane->loop.automaton.states + 2);
+        PyObject *pair = segments == NULL ? NULL : Py_BuildValue("(Ni)", segments, lane->status);
+        if (pair == NULL || PyList_SetItem(list, i, pair) < 0) {
+            Py_CLEAR(list);
+        }
+    }
+    return list;
+}
+
+static PyObject *run_loops(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    PyObject *result;
+    Py_ssize_t count, i, read = 0;
+    Lane *lanes;
+    if (!expect(given, 1, "run_loops(loops)")) {
         return NULL;
     }
-    memset(&l, 0, sizeof l);
-    memset(&run, 0, sizeof run);
-    if (plain_numbers(args[0], numbers, LOOP_NUMBERS) != LOOP_NUMBERS ||
-        plain_numbers(args[1], controller, CONTROLLER_NUMBERS) != CONTROLLER_NUMBERS) {
-        return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_ValueError, "too few numbers");
-    }
-    read_numbers(&l, numbers);
-    read_controller(&l.controller, controller);
-    if (!loop_makes_sense(&l) || !look_into_loop(args + 2, &l, views)) {
+    if (!PyTuple_Check(args[0])) {
+        PyErr_SetString(PyExc_TypeError, "expected a tuple of tuples");
         return NULL;
     }
-    point_into(&l, views);
-    run.automaton = &l.automaton;
-    run.steps[0] = l.steps[0];
-    run.steps[1] = l.steps[1];
-    run.z = views[5].buf;
-    run.room = room_for(&l);
+    count = PyTuple_Size(args[0]);
+    lanes = PyMem_Calloc((size_t)count + 1, sizeof *lanes);
+    if (lanes == NULL) {
+        return PyErr_NoMemory();
+    }
+    while (read < count && read_lane(PyTuple_GetItem(args[0], read), &lanes[read])) {
+        read += 1;
+    }
+    if (read < count) {
+        clear_lanes(lanes, read);
+        return NULL;
+    }
     Py_BEGIN_ALLOW_THREADS
-    status = run_with_room(&l, &run, views);
-    Py_END_ALLOW_THREADS
-    segments = run.segments == NULL
-                   ? PyErr_NoMemory()
-                   : segments_of(PyModule_GetState(module), &run, l.automaton.states + 2);
-    if (segments != NULL) {
-        result = Py_BuildValue("(Oi)", segments, (int)status);
-        Py_DECREF(segments);
+    for (i = 0; i < count; i++) {
+        lanes[i].status = run_with_room(&lanes[i].loop, &lanes[i].run, lanes[i].views);
     }
-    free(run.segments);
-    free(run.work);
-    release(views, LOOP_ARRAYS);
+    Py_END_ALLOW_THREADS
+    result = outcomes_of(PyModule_GetState(module), lanes, count);
+    clear_lanes(lanes, count);
     return result;
+}
+
+static PyObject *balance(PyObject *module, PyObject *const *args, Py_ssize_t given) {
+    Py_buffer views[2];
+    Py_ssize_t n;
+    (void)module;
+    if (!expect(given, 2, "balance(matrix, scale)") || !look(args[1], &views[1], WRITE)) {
+        return NULL;
+    }
+    n = items(&views[1]);
+    PyBuffer_Release(&views[1]);
+    {
+        const Wanted wanted[2] = {room(args[0], n * n), room(args[1], n)};
+        if (n > 10000 || !look_into(wanted, 2, views)) {
+            return PyErr_Occurred() ? NULL
+                                    : PyErr_Format(PyExc_ValueError, "a matrix of order %zd", n);
+        }
+    }
+    jounce_balance(views[0].buf, views[1].buf, (int)n);
+    release(views, 2);
+    Py_RETURN_NONE;
 }
 
 /* --- messages of FMUs (binding_fmi2.c) ---------------------------------------------------------- */
@@ -2059,10 +2139,12 @@ static PyMethodDef functions[] = {
      "transfers(order, starts, ends, bounds, durations, inside_after, statuses, counts)\n--\n\n"
      "Plan N transfers: durations and inside_after (N,), NaN where there is none, statuses and "
      "numbers of pieces (N,) int8 are put in place."},
-    {"run_loop", FAST(run_loop), METH_FASTCALL,
-     "run_loop(numbers, controller, *arrays)\n--\n\nRun a servo loop; return its segments (time, "
-     "mode and state in a row, the last at the end) and the status. The last state, the controller's "
-     "and (e, w, u) of the samples are put in place."},
+    {"balance", FAST(balance), METH_FASTCALL,
+     "balance(matrix, scale)\n--\n\nBalance a matrix (n, n) and put down the scale (n,), in place."},
+    {"run_loops", FAST(run_loops), METH_FASTCALL,
+     "run_loops(loops)\n--\n\nRun servo loops, each a tuple (numbers, controller, *arrays); return "
+     "of each its segments (time, mode and state in a row, the last at the end) and the status. "
+     "Last states, the controllers' and (e, w, u) of the samples are put in place."},
     {"fmi2_logger", fmi2_logger, METH_O,
      "fmi2_logger(strays)\n--\n\nReturn the address of a logger for FMUs of FMI 2.0, which fills "
      "in the arguments of a message and calls note(status, category, text) of the environment "

@@ -292,6 +292,12 @@ typedef struct {
 jounce_status jounce_run_loop(const jounce_loop *loop, jounce_run *run, double *state,
                               double *out);
 
+/* --- balancing (balance.c) ------------------------------------------------------------------------ */
+
+/* a (n x n) becomes 1/D a D, D the diagonal of `scale`: powers of two with which rows and columns
+ * have like norms. */
+void jounce_balance(double *a, double *scale, int n);
+
 /* --- evaluation of pieces of any order (pieces.c, evaluation.c, many_times.c) ------------------ */
 
 /* Derivative k of x(t) = sum over j of state[j] t^j / j!, j = 0 ... order. */

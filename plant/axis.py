@@ -21,6 +21,7 @@ from .friction import Friction
 from .inertia import Inertia
 from .linear_system import linear_system
 from .mechanics import Mechanics, chain_mechanics, held_mechanics, modal_mechanics
+from .models import StateModel
 from .ripple import Ripple
 
 if TYPE_CHECKING:
@@ -179,6 +180,11 @@ class Axis(Frozen):
         return bare.loaded(self.viscous, self.load_viscous, self.spring)
 
     @property
+    def is_system(self) -> bool:
+        """Whether it was given as a python-control system."""
+        return isinstance(self.body, _System)
+
+    @property
     def is_rigid(self) -> bool:
         """Whether motor and load are one."""
         return bool(np.array_equal(self.dynamics.motor, self.dynamics.load))
@@ -211,6 +217,13 @@ class Axis(Frozen):
             states=d.names,
             name="plant",
         )
+
+    def measured_model(self) -> StateModel:
+        """Return the numbers from u to what position and velocity are taken from, by encoder."""
+        d = self.dynamics
+        position = d.motor if self.sensor == "motor" else d.load
+        seen = np.array([position, d.motor if self.sensor == "both" else position])
+        return StateModel(d.a, d.b[:, :1], seen, np.zeros((2, 1)))
 
     def transfer(self) -> control.TransferFunction:
         """Return g(s) from u to the measured position y."""

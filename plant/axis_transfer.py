@@ -17,9 +17,9 @@ def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
     The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
     give the coefficients to rounding; those that are rounding alone are 0.
     """
-    import control
+    if axis.is_system:
+        import control
 
-    if axis.body is not None and hasattr(axis.body, "system"):
         own = control.tf(axis.body.system)
         denominator = own.den_array[0, 0]
         numerator = _without_rounding(own.num_array[0, 0], denominator)

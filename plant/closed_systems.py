@@ -10,6 +10,7 @@ from ..shaping.derivatives import DERIVATIVE_NAMES
 from ..shaping.pieces import FloatArray
 from .axis import Axis
 from .linear_system import linear_system
+from .models import Rational, StateModel
 from .open_loop import OpenLoop
 
 if TYPE_CHECKING:
@@ -37,6 +38,22 @@ class Sensitivity(NamedTuple):
 
 def closed_system(axis: Axis, loop: OpenLoop) -> control.StateSpace:
     """Return the continuous loop from the command's derivatives to what it shows."""
+    model = closed_model(axis, loop)
+    return linear_system(
+        (model.A, model.B, model.C, model.D),
+        0,
+        inputs=[_signal(k) for k in range(model.ninputs)],
+        outputs=["y", "e", "u", "y_load", "twist", "torque"],
+        states=[
+            *axis.dynamics.names,
+            *(f"controller_{i}" for i in range(model.nstates - axis.dynamics.size)),
+        ],
+        name="servo_loop",
+    )
+
+
+def closed_model(axis: Axis, loop: OpenLoop) -> StateModel:
+    """Return the numbers of `closed_system`."""
     a, fed = loop.closed()
     n, inputs = len(a), fed.shape[1]
     d = axis.dynamics
@@ -47,14 +64,7 @@ def closed_system(axis: Axis, loop: OpenLoop) -> control.StateSpace:
     direct[1], direct[2] = loop.error[n:], loop.asked[n:]
     if d.torque[-1]:
         shown[5], direct[5] = loop.asked[:n], loop.asked[n:]
-    return linear_system(
-        (a, fed, shown, direct),
-        0,
-        inputs=[_signal(k) for k in range(inputs)],
-        outputs=["y", "e", "u", "y_load", "twist", "torque"],
-        states=[*d.names, *(f"controller_{i}" for i in range(n - d.size))],
-        name="servo_loop",
-    )
+    return StateModel(a, fed, np.array(shown), direct)
 
 
 def _signal(k: int) -> str:
@@ -68,17 +78,31 @@ def _wide(row: FloatArray, n: int) -> FloatArray:
 
 
 def continuous_functions(g: Any, k: Any) -> Sensitivity:
-    """Return the four of g(s) and k(s), improper ones as they are."""
-    import control
-
+    """Return the four of g(s) and k(s), improper ones as they are, as models."""
     (gn,), (gd,), (kn,), (kd,) = g.num_array[0], g.den_array[0], k.num_array[0], k.den_array[0]
     around, straight = np.polymul(gd, kd), np.polymul(gn, kn)
     whole = np.polyadd(around, straight)
-    return Sensitivity(
-        control.tf(around, whole, name="S"),
-        control.tf(straight, whole, name="T"),
-        control.tf(np.polymul(gn, kd), whole, name="PS"),
-        control.tf(np.polymul(gd, kn), whole, name="CS"),
+    above = around, straight, np.polymul(gn, kd), np.polymul(gd, kn)
+    return Sensitivity(*(Rational(numerator, whole) for numerator in above))
+
+
+def named(functions: Sensitivity) -> Sensitivity:
+    """Return the four as python-control systems with their names, models or not."""
+    return Sensitivity(*map(_named, Sensitivity._fields, functions))
+
+
+def _named(name: str, function: Any) -> Any:
+    import control
+
+    if isinstance(function, Rational):
+        return control.tf(function.numerator, function.denominator, name=name)
+    return linear_system(
+        (function.A, function.B, function.C, function.D),
+        function.dt,
+        inputs=[f"into_{name}"],
+        outputs=[name],
+        states=[f"x_{i}" for i in range(function.nstates)],
+        name=name,
     )
 
 
@@ -94,25 +118,21 @@ def two_encoder_functions(loop: OpenLoop, position: FloatArray) -> Sensitivity:
     asked, direct = loop.asked[None, :n], loop.asked[n : n + 1]
     drive, seen = loop.drive[:, None], _wide(position, n)[None]
 
-    def function(name: str, inputs: FloatArray, row: FloatArray, direct: Any) -> Any:
-        signals = {"inputs": [f"into_{name}"], "outputs": [name]}
-        states = [f"x_{i}" for i in range(n)]
-        return linear_system((a, inputs, row, direct), 0, **signals, states=states, name=name)
-
+    one, none = np.ones((1, 1)), np.zeros((1, 1))
     return Sensitivity(
-        function("S", drive, asked, [[1.0]]),
-        function("T", drive, -asked, [[0.0]]),
-        function("PS", drive, seen, [[0.0]]),
-        function("CS", fed[:, :1], asked, direct[None]),
+        StateModel(a, drive, asked, one),
+        StateModel(a, drive, -asked, none),
+        StateModel(a, drive, seen, none),
+        StateModel(a, fed[:, :1], asked, direct[None]),
     )
 
 
 def sampled_functions(
-    held: control.StateSpace, controller: control.StateSpace, *, one_encoder: bool
+    held: StateModel, controller: StateModel, *, one_encoder: bool
 ) -> Sensitivity:
     """Return the four of a held plant u → (y, y_motor) and what a controller does in a sample."""
-    a, b, c = (np.asarray(matrix) for matrix in (held.A, held.B, held.C))
-    ac, bc, cc, dc = (np.asarray(getattr(controller, name)) for name in "ABCD")
+    a, b, c = held.A, held.B, held.C
+    ac, bc, cc, dc = controller.A, controller.B, controller.C, controller.D
     noisy = np.array([[1.0], [1.0 if one_encoder else 0.0]])
     asked = np.hstack([-dc @ c, cc])  # u_feedback over the states
     whole = np.block([[a, np.zeros((len(a), len(ac)))], [-bc @ c, ac]])
@@ -120,16 +140,10 @@ def sampled_functions(
     closed = whole + drive @ asked
     noise = np.vstack([-b @ dc @ noisy, -bc @ noisy])
     seen = np.hstack([c[:1], np.zeros((1, len(ac)))])
-
-    def function(name: str, inputs: FloatArray, row: FloatArray, direct: Any) -> Any:
-        matrices = (closed, inputs, row, direct)
-        states = [f"x_{i}" for i in range(len(closed))]
-        signals = {"inputs": [f"into_{name}"], "outputs": [name]}
-        return linear_system(matrices, held.dt, **signals, states=states, name=name)
-
+    one, none = np.ones((1, 1)), np.zeros((1, 1))
     return Sensitivity(
-        function("S", drive, asked, [[1.0]]),
-        function("T", drive, -asked, [[0.0]]),
-        function("PS", drive, seen, [[0.0]]),
-        function("CS", noise, -asked, dc @ noisy),
+        StateModel(closed, drive, asked, one, held.dt),
+        StateModel(closed, drive, -asked, none, held.dt),
+        StateModel(closed, drive, seen, none, held.dt),
+        StateModel(closed, noise, -asked, dc @ noisy, held.dt),
     )

@@ -136,6 +136,18 @@ def command_order(command: Any) -> int:
     return min((part.order for part in parts if isinstance(part, Trajectory)), default=MAX_ORDER)
 
 
+def highest_order(command: Command) -> int:
+    """Return the highest derivative of a command's polynomials that is not 0 everywhere."""
+    parts = command.parts if isinstance(command, Sum) else (command,)
+    return max(part.order if isinstance(part, Trajectory) else 1 for part in parts)
+
+
+def sines_of(command: Command) -> list[Sine]:
+    """Return the sines that a command is made of."""
+    parts = command.parts if isinstance(command, Sum) else (command,)
+    return [part for part in parts if isinstance(part, Sine)]
+
+
 def derivatives_of(command: Command, t: FloatArray, highest: int) -> FloatArray:
     """Return a command and its derivatives up to `highest` at times, one row each."""
     if not isinstance(command, Trajectory):
@@ -153,10 +165,12 @@ def breaks_of(command: Command) -> FloatArray:
 
 
 def on_breaks(command: Command, times: FloatArray) -> FloatArray:
-    """Return times, those that rounding has parted from a break of the command on it."""
-    breaks = breaks_of(command)
-    nearest = breaks[np.clip(np.searchsorted(breaks, times), 0, len(breaks) - 1)]
-    before = breaks[np.clip(np.searchsorted(breaks, times) - 1, 0, len(breaks) - 1)]
-    slack = _ON_BREAK * max(float(np.abs(times).max(initial=0.0)), abs(float(breaks[-1])))
-    times = np.where(np.abs(times - nearest) <= slack, nearest, times)
-    return np.asarray(np.where(np.abs(times - before) <= slack, before, times))
+    """Return increasing times, those that rounding has parted from a break on it."""
+    breaks, found = breaks_of(command), times.copy()
+    if times.size:
+        slack = _ON_BREAK * max(abs(float(times[0])), abs(float(times[-1])), abs(float(breaks[-1])))
+        low = np.searchsorted(times, breaks - slack, side="left").tolist()
+        high = np.searchsorted(times, breaks + slack, side="right").tolist()
+        for first, last, at in zip(low, high, breaks, strict=True):
+            found[first:last] = at
+    return found

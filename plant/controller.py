@@ -17,6 +17,7 @@ from .anti_windup import BackCalculation, Clamp
 from .cascade import CascadedPI
 from .discretise import Discretisation, Element, checked_filters, filter_system_of, sections
 from .linear_system import linear_system
+from .models import StateModel
 from .pid import PID
 
 if TYPE_CHECKING:
@@ -153,18 +154,22 @@ class Controller(Frozen):
         with one encoder both are one, and their sum of columns is k(z). For a P-PI the command
         stands still. The delay is left out.
         """
-        dt = self._dt
-        a, b, c, d = _law(self.law, dt)
-        for row in self.sections:
-            a, b, c, d = _behind((a, b, c, d), _section(row))
+        model = self.sampled_model()
         return linear_system(
-            (a, b, c, d),
-            dt,
+            (model.A, model.B, model.C, model.D),
+            model.dt,
             inputs=["e", "e_motor"],
             outputs=["u_feedback"],
-            states=[f"x_{i}" for i in range(len(a))],
+            states=[f"x_{i}" for i in range(model.nstates)],
             name="controller",
         )
+
+    def sampled_model(self) -> StateModel:
+        """Return the numbers of `sampled`."""
+        whole = _law(self.law, self._dt)
+        for row in self.sections:
+            whole = _section(row, self._dt).behind(whole)
+        return whole
 
     @property
     def _dt(self) -> float:
@@ -184,10 +189,7 @@ def as_controller(controller: Any) -> Controller:
     )
 
 
-_Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-
-
-def _law(law: PID | CascadedPI, dt: float) -> _Matrices:
+def _law(law: PID | CascadedPI, dt: float) -> StateModel:
     """Return the sampled law with states I, e_motor before, and the filtered rate before.
 
     Those that do nothing are left out: an integral without gain would count as unstable.
@@ -207,20 +209,12 @@ def _law(law: PID | CascadedPI, dt: float) -> _Matrices:
         c = law.velocity_gain * rate[None] + law.integral_gain * a[:1]
         d = (law.velocity_gain + law.integral_gain * dt) * within[None]
     used = c[0] != 0.0
-    return a[np.ix_(used, used)], b[used], c[:, used], d
+    return StateModel(a[np.ix_(used, used)], b[used], c[:, used], d, dt)
 
 
-def _section(row: FloatArray) -> _Matrices:
+def _section(row: FloatArray, dt: float) -> StateModel:
     """Return a section in state space, transposed direct form II."""
     b0, b1, b2, a1, a2 = row
     a = np.array([[-a1, 1.0], [-a2, 0.0]])
     b = np.array([[b1 - a1 * b0], [b2 - a2 * b0]])
-    return a, b, np.array([[1.0, 0.0]]), np.array([[b0]])
-
-
-def _behind(first: _Matrices, second: _Matrices) -> _Matrices:
-    """Return the second system behind the first."""
-    a1, b1, c1, d1 = first
-    a2, b2, c2, d2 = second
-    a = np.block([[a1, np.zeros((len(a1), len(a2)))], [b2 @ c1, a2]])
-    return a, np.vstack([b1, b2 @ d1]), np.hstack([d2 @ c1, c2]), d2 @ d1
+    return StateModel(a, b, np.array([[1.0, 0.0]]), np.array([[b0]]), dt)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..shaping.pieces import FloatArray
 from .anti_windup import BackCalculation, Clamp
+from .balance import balanced_norm
 from .cascade import CascadedPI
 from .controller import Controller
 from .feedforward import Feedforward
@@ -55,13 +56,8 @@ def tuning(
 
 def fastest(layout: Layout, hybrid: Hybrid) -> float:
     """Return a bound of the rates of a loop's own states: the series is exact for 2/bound."""
-    from scipy.linalg import matrix_balance
-
-    own, norm = layout.chain, 0.0
-    for rates in hybrid.rates:
-        balanced = matrix_balance(rates[:own, :own], permute=False)[0]
-        norm = max(norm, float(np.abs(balanced).sum(axis=0).max(initial=0.0)))
-    return norm
+    own = layout.chain
+    return max(balanced_norm(rates[:own, :own]) for rates in hybrid.rates)
 
 
 def sampled_steps(norm: float, dt: float, delay: float) -> tuple[float, float]:

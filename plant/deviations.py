@@ -14,9 +14,9 @@ from .axis import Axis
 from .controller import Controller
 from .disturbances import Wind
 from .feedforward import Feedforward
-from .linear_system import linear_system
+from .models import StateModel
 from .open_loop import OpenLoop, open_loop
-from .sampled import exponential_less_one, zero_order_hold
+from .sampled import exponential_less_one, held_model
 from .spectrum import Folded, Spectrum
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -59,8 +59,8 @@ class _Sampled:
     def __init__(self, axis: Axis, control: Controller) -> None:
         self.dt, self.delay = float(control.sample_time or 0.0), control.delay
         self.dynamics, self.sensor = axis.dynamics, axis.sensor
-        k = control.sampled()
-        self.k = tuple(np.asarray(getattr(k, name)) for name in "ABCD")
+        k = control.sampled_model()
+        self.k = k.A, k.B, k.C, k.D
         d = self.dynamics
         seen = d.motor if self.sensor == "motor" else d.load
         self.seen = np.array([seen, d.load if self.sensor == "load" else d.motor])
@@ -266,11 +266,8 @@ def _with_wind(
     return whole, np.append(b[:, 0], np.zeros(states)), white
 
 
-def _hold(a: FloatArray, b: FloatArray, dt: float, delay: float) -> Any:
-    names = [f"x_{i}" for i in range(len(a))]
-    matrices = (a, b[:, None], np.eye(len(a)), np.zeros((len(a), 1)))
-    system = linear_system(matrices, 0, inputs=["u"], outputs=names, states=names)
-    return zero_order_hold(system, dt, delay=delay)
+def _hold(a: FloatArray, b: FloatArray, dt: float, delay: float) -> StateModel:
+    return held_model(StateModel(a, b[:, None], np.eye(len(a)), np.zeros((len(a), 1))), dt, delay)
 
 
 def _wide(rows: FloatArray, size: int) -> FloatArray:

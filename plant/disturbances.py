@@ -13,6 +13,7 @@ from ..shaping.checks import finite, one_of, positive
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import real_array, shown
+from ..shaping.told import Told
 
 On = Literal["motor", "load"]
 
@@ -32,8 +33,8 @@ def _levels(times: ArrayLike, torques: ArrayLike) -> tuple[FloatArray, FloatArra
     return at, values
 
 
-@dataclass(frozen=True, eq=False)
-class TorqueSteps(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class TorqueSteps(Told, Frozen):
     """Steps that add up: from times[i] on the torque is larger by torques[i].
 
     Parameters
@@ -59,8 +60,8 @@ class TorqueSteps(Frozen):
         return self.times, np.cumsum(self.torques)
 
 
-@dataclass(frozen=True, eq=False)
-class SampledTorque(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledTorque(Told, Frozen):
     """A torque held from each time to the next, as a recording gives it; 0 before the first.
 
     Parameters

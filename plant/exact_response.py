@@ -16,6 +16,7 @@ from ..shaping.propagate import check_fed, grid, inputs_on_grid, product, propag
 from ..shaping.real_numbers import real_array, shown
 from ..shaping.trajectory import Motion, as_trajectory
 from .linear_system import static_gain
+from .models import StateModel
 
 if TYPE_CHECKING:
     import control
@@ -113,7 +114,7 @@ def respond(
 
 
 def respond_on_grid(
-    plant: control.StateSpace,
+    plant: control.StateSpace | StateModel,
     numbers: Sequence[int],
     trajectory: Trajectory,
     dt: float,

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..shaping import JerkFilter, Trajectory
 from ..shaping.pieces import FloatArray
-
-if TYPE_CHECKING:
-    import control
+from .models import StateModel
 
 
 def filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArray:
@@ -34,11 +30,9 @@ def filter_outputs(jerk_filter: JerkFilter, trajectory: Trajectory) -> FloatArra
 
 
 def behind_filter(
-    loop: control.StateSpace, jerk_filter: JerkFilter, trajectory: Trajectory, outputs: FloatArray
-) -> tuple[control.StateSpace, int, FloatArray]:
+    loop: StateModel, jerk_filter: JerkFilter, trajectory: Trajectory, outputs: FloatArray
+) -> tuple[StateModel, int, FloatArray]:
     """Return the loop behind the filter's copies, how many there are, and the initial state."""
-    import control
-
     a, b = jerk_filter.state_space()
     lags, n = outputs.shape[1], loop.nstates
     copies = lags // jerk_filter.order
@@ -50,5 +44,4 @@ def behind_filter(
     out = np.hstack([loop.D @ outputs, loop.C])
     start = [jerk_filter.steady_state(trajectory, k) for k in range(copies)]
     initial = np.concatenate([*start, np.zeros(n)])
-    system = control.StateSpace(full, drive, out, 0, remove_useless_states=False)
-    return system, copies, initial
+    return StateModel(full, drive, out, np.zeros((len(out), copies))), copies, initial

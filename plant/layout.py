@@ -11,8 +11,9 @@ import numpy as np
 
 from ..shaping import Trajectory
 from ..shaping.pieces import FloatArray
+from ..shaping.roots import root_between
 from .axis import Axis
-from .commands import Command, Sine, Sum, breaks_of, derivatives_of
+from .commands import Command, Sine, Sum, breaks_of, derivatives_of, sines_of
 from .disturbances import Disturbance, TorqueSine
 
 
@@ -222,10 +223,8 @@ def _signs(command: Any, start: float, duration: float) -> list[tuple[float, flo
 
 def rate_zeros(command: Command, start: float, duration: float) -> FloatArray:
     """Return times from 0 to `duration` between which the command's rate keeps its sign."""
-    from scipy.optimize import brentq
-
     breaks = breaks_of(command) - start
-    fastest = max((s.frequency_hz for s in _sines(command)), default=0.0)
+    fastest = max((s.frequency_hz for s in sines_of(command)), default=0.0)
     fine = np.linspace(0.0, duration, int(8.0 * fastest * duration) + 2)
     edges = np.unique(np.concatenate([fine, breaks[(breaks > 0.0) & (breaks < duration)]]))
     found = [edges]
@@ -233,19 +232,12 @@ def rate_zeros(command: Command, start: float, duration: float) -> FloatArray:
         inside = np.linspace(left, right, 18)[1:-1]  # of pieces of low order, or eighths of a turn
         rate = derivatives_of(command, start + inside, 1)[1]
         for i in np.flatnonzero(rate[1:] * rate[:-1] < 0.0):
-            root = brentq(
+            root = root_between(
                 lambda t: float(derivatives_of(command, np.array([start + t]), 1)[1, 0]),
                 *(inside[i], inside[i + 1]),
-                xtol=1e-16 * max(duration, 1.0),
-                rtol=9e-16,
             )
             found.append(np.array([root]))
     return np.unique(np.concatenate(found))
-
-
-def _sines(command: Command) -> list[Sine]:
-    parts = command.parts if isinstance(command, Sum) else (command,)
-    return [part for part in parts if isinstance(part, Sine)]
 
 
 def start_of(command: Command) -> tuple[float, float]:

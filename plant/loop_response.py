@@ -13,6 +13,7 @@ from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from ..shaping.told import Told
 from .anti_windup import Clamp
 from .knife_edges import knife_edges
 from .simulate import simulate
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 Of = Literal["position", "load"]
 
 
-@dataclass(frozen=True, eq=False)
-class LoopResponse(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopResponse(Told, Frozen):
     """Exact response of a servo loop on a time grid; arrays (N,), time last.
 
     Attributes

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..shaping.checks import finite
 from .axis import Axis
+from .axis_transfer import transfer_polynomials
 from .closed_systems import (
     Sensitivity,
     continuous_functions,
@@ -19,9 +20,10 @@ from .feedforward import Feedforward, InertiaFeedforward
 from .flexible_inertia import FlexibleInertia
 from .inertia import Inertia
 from .linear_system import linear_system
+from .models import Rational
 from .open_loop import OpenLoop, open_loop
 from .pid import PID, Rate
-from .sampled import loop_behind, zero_order_hold
+from .sampled import held_model, loop_behind
 
 if TYPE_CHECKING:
     import control
@@ -82,6 +84,31 @@ def open_transfer(loop: Loop) -> control.TransferFunction | control.StateSpace:
         return _broken_at_torque(loop)
     plant = loop.plant if known_by_polynomials(loop) else loop.axis
     return _named(plant.transfer() * loop.controller_noun.transfer(), "e", "y", "loop")
+
+
+def open_model(loop: Loop) -> Any:
+    """Return the numbers of L, or python-control's system where those take it."""
+    controller = loop.controller_noun
+    if controller.sample_time is not None:
+        held = held_model(loop.axis.measured_model(), controller.sample_time, controller.delay)
+        return controller.sampled_model().behind(held)
+    parts = _models(loop)
+    if parts is None:
+        return open_transfer(loop)
+    g, k = parts
+    above, below = np.polymul(g.numerator, k.numerator), np.polymul(g.denominator, k.denominator)
+    return Rational(np.asarray(above, dtype=float), np.asarray(below, dtype=float))
+
+
+def _models(loop: Loop) -> tuple[Rational, Rational] | None:
+    """Return plant and controller of a continuous PID without further filters, None of others."""
+    controller = loop.controller_noun
+    law, axis = controller.law, loop.axis
+    if not isinstance(law, PID) or controller.filters or axis.sensor == "both" or axis.is_system:
+        return None
+    if isinstance(loop.plant, FlexibleInertia):
+        return None
+    return Rational(*transfer_polynomials(loop.axis)), law.model()
 
 
 def _broken_at_torque(loop: Loop) -> control.StateSpace:
@@ -171,16 +198,17 @@ def _plant_rows(loop: Loop, *names: str) -> control.StateSpace:
 
 
 def sensitivity_of(loop: Loop) -> Sensitivity:
-    """Return S, T, PS and CS, as `ServoLoop.sensitivity` says."""
+    """Return the numbers of S, T, PS and CS."""
     axis, controller = loop.axis, loop.controller_noun
     if controller.sample_time is None:
         if axis.sensor == "both":
             bare = open_loop(axis, controller, Feedforward())
             return two_encoder_functions(bare, axis.dynamics.load)
         plant = loop.plant if known_by_polynomials(loop) else axis
-        return continuous_functions(plant.transfer(), controller.transfer())
-    held = zero_order_hold(_held_plant(loop), controller.sample_time, delay=controller.delay)
-    return sampled_functions(held, controller.sampled(), one_encoder=axis.sensor != "both")
+        parts = _models(loop) or (plant.transfer(), controller.transfer())
+        return continuous_functions(*parts)
+    held = held_model(axis.measured_model(), controller.sample_time, controller.delay)
+    return sampled_functions(held, controller.sampled_model(), one_encoder=axis.sensor != "both")
 
 
 def _named(

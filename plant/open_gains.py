@@ -15,7 +15,7 @@ from .pid import PID
 from .servo_loop import ServoLoop
 
 if TYPE_CHECKING:
-    import control
+    pass
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class OpenGains:
         """Return the controller with gains (kp, ki, kr)."""
         return replace(self.controller, law=self.law(gains))
 
-    def system(self, gains: NDArray[np.float64]) -> control.StateSpace | control.TransferFunction:
+    def system(self, gains: NDArray[np.float64]) -> Any:
         """Return L(s), without the pure delay, or L(z) with gains (kp, ki, kr)."""
-        return ServoLoop(self.plant, self.with_gains(gains)).loop_transfer()
+        return ServoLoop(self.plant, self.with_gains(gains)).open_model()
 
     @cached_property
     def _of_one_gain(self) -> list[Any]:

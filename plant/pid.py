@@ -11,6 +11,7 @@ import numpy as np
 from ..shaping.checks import finite, one_of, positive
 from .inertia import Inertia
 from .linear_system import linear_system
+from .models import Rational
 
 if TYPE_CHECKING:
     import control
@@ -75,6 +76,12 @@ class PID:
         """Return k(s) = kp + ki/s + kr·s/(T_f·s + 1) from e to u (improper without filter)."""
         import control
 
+        k = self.model()
+        names = {"inputs": ["e"], "outputs": ["u_feedback"], "name": "controller"}
+        return control.tf(k.numerator, k.denominator, **names)
+
+    def model(self) -> Rational:
+        """Return the numbers of `transfer`."""
         lag = self.derivative_filter
         numerator, denominator = [self.kr, self.kp, self.ki], [1.0, 0.0]
         if lag:
@@ -82,9 +89,7 @@ class PID:
             denominator = [lag, 1.0, 0.0]
         if self.ki == 0.0:
             numerator, denominator = numerator[:-1], denominator[:-1]
-        return control.tf(
-            numerator, denominator, inputs=["e"], outputs=["u_feedback"], name="controller"
-        )
+        return Rational(np.array(numerator), np.array(denominator))
 
     def sampled(self, dt: float, *, rate: Rate = "measured") -> control.StateSpace:
         """Return the digital controller, run once every dt.

@@ -7,7 +7,8 @@ from math import cos, degrees, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+
+from ..shaping.roots import root_between
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -55,7 +56,7 @@ def gains_for(terms: Terms, crossover: float, phase: float, factor: float) -> It
     logs = np.log(crossover) + np.linspace(np.log(_LOWEST), -1e-6, _PLACES)
     values = excess(logs)
     for k in np.flatnonzero(values[:-1] * values[1:] < 0.0).tolist():
-        log = brentq(lambda at: float(excess(np.array([at]))[0]), logs[k], logs[k + 1], xtol=1e-15)
+        log = root_between(lambda at: float(excess(np.array([at]))[0]), *logs[k : k + 2].tolist())
         matrix, side = (part[0] for part in equations(np.exp(np.array([log]))))
         scale = abs(matrix).max(axis=0)
         gains = np.linalg.lstsq(matrix / scale, side, rcond=None)[0] / scale

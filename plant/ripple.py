@@ -12,12 +12,13 @@ from ..shaping.checks import finite, positive, whole
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import real_array, shown
+from ..shaping.told import Told
 
 _MOST = 32  # points of a period
 
 
-@dataclass(frozen=True)
-class Ripple(Frozen):
+@dataclass(frozen=True, repr=False)
+class Ripple(Told, Frozen):
     """A torque on the motor that depends on its position alone, and repeats every period.
 
     Between the points it is straight, and so is it from the last to the first of the next period;

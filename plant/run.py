@@ -11,7 +11,7 @@ import numpy as np
 
 from ..shaping.pieces import FloatArray
 from .axis import Axis
-from .commands import Command, breaks_of, derivatives_of, on_breaks
+from .commands import Command, breaks_of, derivatives_of, highest_order, on_breaks, sines_of
 from .controller import Controller
 from .disturbances import Disturbance
 from .feedforward import Feedforward
@@ -19,6 +19,7 @@ from .hybrid import Hybrid
 from .layout import Layout
 from .signal_pieces import TERMS, Pieces
 
+_COUNTS = 1e-20  # of a term of the Taylor series: smaller ones are nothing
 _SAME = 1e-13  # times this near to one another, relative to the longest, are one
 
 
@@ -85,6 +86,8 @@ class Run:
         Error e, torque asked for w, and the torque u of each sample of a digital controller.
     held : float
         Torque of the controller's integral at the end, before the filters.
+    fastest : float
+        A bound of the rates, balanced.
     """
 
     scene: Scene
@@ -95,6 +98,19 @@ class Run:
     states: FloatArray
     samples: FloatArray
     held: float
+    fastest: float
+
+    @cached_property
+    def terms(self) -> int:
+        """How many terms of the Taylor series count from one of the times to the next."""
+        command = self.scene.command
+        rates = [self.fastest, *(sine.omega for sine in sines_of(command))]
+        step = max(rates) * float(np.diff(self.times).max(initial=0.0))
+        size, count = 1.0, highest_order(command) + 1
+        for k in range(1, TERMS):
+            size *= step / k
+            count = max(count, k + 1 if size > _COUNTS else 1)
+        return min(count, TERMS)
 
     def at(self, times: FloatArray) -> tuple[Any, FloatArray]:
         """Return the modes and states (N, n) at times from 0 on; at an event those after it."""
@@ -112,7 +128,7 @@ class Run:
         for mode in np.unique(modes[ahead > 0.0]):
             some = np.flatnonzero((modes == mode) & (ahead > 0.0))
             term, total = states[some].T.copy(), states[some].T.copy()
-            for k in range(1, TERMS + 4):
+            for k in range(1, self.terms + 4):
                 after = (self.hybrid.rates[mode] @ term) * (ahead[some] / k)
                 term[:moving], term[moving:] = after, 0.0
                 total[:moving] += after
@@ -139,19 +155,29 @@ class Run:
 
     def pieces(self, row: FloatArray, command: float, target: float = 0.0) -> Pieces:
         """Return command·r(t) + row·z(t) − target as polynomials from one time to the next."""
-        breaks = breaks_of(self.scene.command) - self.scene.begin
-        end = self.times[-1]
-        inner = breaks[(breaks > 0.0) & (breaks < end)]
-        times = np.unique(np.concatenate([self.times, inner])) if command else self.times
-        modes, states = self.at(times[:-1])
-        rows = np.empty((TERMS, len(times) - 1))
+        times, modes, states = self._split if command else (self.times, self.modes, self.states)
+        modes, states = modes[: len(times) - 1], states[: len(times) - 1]
+        rows = np.empty((self.terms, len(times) - 1))
         for mode in np.unique(modes):
             some, terms = np.flatnonzero(modes == mode), [row]
-            for _ in range(TERMS - 1):
+            for _ in range(self.terms - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
             rows[:, some] = np.array(terms) @ states[some].T
         if command:
-            at = on_breaks(self.scene.command, self.scene.begin + times[:-1])
-            rows += command * derivatives_of(self.scene.command, at, TERMS - 1)
+            rows += command * self._commanded
         rows[0] -= target
         return Pieces(times[:-1], np.diff(times), rows)
+
+    @cached_property
+    def _split(self) -> tuple[FloatArray, Any, FloatArray]:
+        """Return times, those of the command's breaks among them, modes and states."""
+        breaks = breaks_of(self.scene.command) - self.scene.begin
+        inner = breaks[(breaks > 0.0) & (breaks < self.times[-1])]
+        times = np.unique(np.concatenate([self.times, inner]))
+        return times, *self.at(times[:-1])
+
+    @cached_property
+    def _commanded(self) -> FloatArray:
+        """Return the command and its derivatives at those times."""
+        at = on_breaks(self.scene.command, self.scene.begin + self._split[0][:-1])
+        return derivatives_of(self.scene.command, at, self.terms - 1)

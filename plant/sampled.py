@@ -9,8 +9,10 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
+from .balance import balanced
 from .exact_response import state_space
 from .linear_system import linear_system
+from .models import StateModel
 
 if TYPE_CHECKING:
     import control
@@ -80,6 +82,21 @@ def zero_order_hold(
     [0.125, 0.5, 1.0]
     """
     plant = _continuous(system)
+    held = held_model(StateModel.of(plant), dt, delay)
+    past = (held.nstates - plant.nstates) // max(plant.ninputs, 1)
+    return linear_system(
+        (held.A, held.B, held.C, held.D),
+        held.dt,
+        inputs=plant.input_labels,
+        outputs=plant.output_labels,
+        states=plant.state_labels
+        + [f"{name}_past_{i}" for i in range(1, past + 1) for name in plant.input_labels],
+        name=system.name,
+    )
+
+
+def held_model(plant: StateModel, dt: float, delay: float) -> StateModel:
+    """Return the numbers of `zero_order_hold`."""
     dt = positive("dt", dt)
     whole, rest = _in_samples(delay, dt)
     matrices = _held(plant, dt, whole, rest)
@@ -87,16 +104,8 @@ def zero_order_hold(
         raise ValueError(
             f"within dt = {dt!r} the response leaves the range of a double: use a smaller dt"
         )
-    past = whole + (rest > 0.0)
-    return linear_system(
-        matrices,
-        dt,
-        inputs=plant.input_labels,
-        outputs=plant.output_labels,
-        states=plant.state_labels
-        + [f"{name}_past_{i}" for i in range(1, past + 1) for name in plant.input_labels],
-        name=system.name,
-    )
+    a, b, c, d = matrices
+    return StateModel(a, b, c, d, dt)
 
 
 def loop_behind(
@@ -123,7 +132,7 @@ def loop_behind(
         states=plant.state_labels,
     )
     held = zero_order_hold(measured, controller.dt, delay=delay)
-    loop = controller * held
+    loop = StateModel.of(controller).behind(StateModel.of(held))
     return control.ss(
         *(loop.A, loop.B, loop.C, loop.D, controller.dt),
         inputs=plant.input_labels,
@@ -167,7 +176,7 @@ def _in_samples(delay: float, dt: float) -> tuple[int, float]:
     return int(samples), (samples - int(samples)) * dt
 
 
-def _held(plant: control.StateSpace, dt: float, whole: int, rest: float) -> tuple[FloatArray, ...]:
+def _held(plant: StateModel, dt: float, whole: int, rest: float) -> tuple[FloatArray, ...]:
     """Return A, B, C and D of the held and delayed plant.
 
     They are cut out of the matrices that act on [x; u_k; u_{k−1}; …].
@@ -206,13 +215,11 @@ def exponential_less_one(a: FloatArray, time: float) -> tuple[FloatArray, FloatA
 
     Both in one pass and without B, so that no unit of the inputs costs squarings.
     """
-    from scipy.linalg import matrix_balance
-
-    balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-    norm = float(np.abs(balanced).sum(axis=0).max(initial=0.0)) * time
+    matrix, scale = balanced(a)
+    norm = float(np.abs(matrix).sum(axis=0).max(initial=0.0)) * time
     doublings = max(ceil(log2(norm)) + 1, 0) if 0.0 < norm < np.inf else 0
     step = time * 0.5**doublings
-    small, one = balanced * step, np.eye(len(a))
+    small, one = matrix * step, np.eye(len(a))
     total = one
     for k in range(_TAYLOR_TERMS + 1, 1, -1):
         total = one + small @ total / k

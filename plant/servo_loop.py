@@ -20,7 +20,9 @@ from ..shaping.trajectory import as_trajectory
 from .axis import Axis, as_axis
 from .closed_systems import (
     Sensitivity,
+    closed_model,
     closed_system,
+    named,
 )
 from .commands import Sum, as_command
 from .controller import Controller, as_controller
@@ -29,6 +31,7 @@ from .disturbances import Wind, checked_disturbances
 from .exact_response import respond_on_grid
 from .feedforward import Feedforward, InertiaFeedforward, as_feedforward
 from .filtered_loop import behind_filter, filter_outputs
+from .flexible_inertia import FlexibleInertia
 from .layout import start_of
 from .linear_system import static_gain
 from .loop_grid import response_of
@@ -36,10 +39,12 @@ from .loop_response import LoopResponse
 from .loop_transfers import (
     closed_transfer,
     known_by_polynomials,
+    open_model,
     open_transfer,
     sampled_transfer,
     sensitivity_of,
 )
+from .models import StateModel
 from .open_loop import OpenLoop, open_loop
 from .pid import Rate
 from .run import Scene
@@ -169,6 +174,14 @@ class ServoLoop(Frozen):
 
         There PS is the response to a torque that is held from sample to sample.
         """
+        return named(sensitivity_of(self))
+
+    def open_model(self) -> Any:
+        """Return L as bare numbers with poles, zeros and values, which need no python-control."""
+        return open_model(self)
+
+    def sensitivity_models(self) -> Sensitivity:
+        """Return S, T, PS and CS in the same way."""
         return sensitivity_of(self)
 
     @cached_property
@@ -193,6 +206,19 @@ class ServoLoop(Frozen):
             inputs=["r", "r_rate", "r_acceleration"],
             outputs=outputs,
             name="servo_loop",
+        )
+
+    @cached_property
+    def model(self) -> StateModel:
+        """The numbers of `system`."""
+        if isinstance(self.plant, FlexibleInertia) and known_by_polynomials(self):
+            return StateModel.of(self._interconnection)
+        whole = closed_model(self.axis, self.open_loop)
+        if not known_by_polynomials(self):
+            return whole
+        missing = ((0, 0), (0, 3 - whole.ninputs))
+        return StateModel(
+            whole.A, np.pad(whole.B, missing), whole.C[:3], np.pad(whole.D[:3], missing)
         )
 
     def system(self) -> control.StateSpace:
@@ -257,6 +283,29 @@ class ServoLoop(Frozen):
             For a trajectory of too low an order (a derivative is then a train of impulses), a
             dt or duration that is not positive, or a loop that is unstable.
         """
+        scene = self.scene(
+            *(command, duration, disturbance, times, start, noise), jerk_filter=jerk_filter
+        )
+        if scene is None:
+            return self._respond_exactly(as_trajectory(command), dt, duration, jerk_filter)
+        return response_of(scene, dt, times)
+
+    def scene(
+        self,
+        command: Any,
+        duration: float | None = None,
+        disturbance: Any = None,
+        times: ArrayLike | None = None,
+        start: float | None = None,
+        noise: ArrayLike | None = None,
+        *,
+        jerk_filter: JerkFilter | None = None,
+    ) -> Scene | None:
+        """Return what `respond` simulates; None for a response by powers of a matrix.
+
+        That is what an undisturbed, linear, continuous loop on a grid has; the arguments are those
+        of `respond`.
+        """
         given = as_command(command)
         exact = isinstance(given, Trajectory) and not (
             self.is_digital
@@ -266,15 +315,14 @@ class ServoLoop(Frozen):
         )
         plain = exact and disturbance is None and times is None and start is None
         if plain and not (self.axis.spring or self.axis.constant_load):
-            return self._respond_exactly(given, dt, duration, jerk_filter)  # type: ignore[arg-type]
+            return None
         if jerk_filter is not None:
             raise ValueError(
                 "a jerk filter in front of a loop that is digital, disturbed or nonlinear: shape "
                 "the command by limits instead, or leave the filter out"
             )
         self._check_fed(given)
-        scene = self._scene(given, duration, disturbance, start, noise, times)
-        return response_of(scene, dt, times)
+        return self._scene(given, duration, disturbance, start, noise, times)
 
     def deviations(
         self, wind: Wind | Spectrum | None = None, *, encoder_noise: float | Spectrum = 0.0
@@ -370,7 +418,7 @@ class ServoLoop(Frozen):
         """Return the response of a linear, continuous loop on a grid, by powers of a matrix."""
         if dt is None:
             raise ValueError("dt is missing: give the spacing of the time grid, or times=…")
-        fed = self.system().ninputs
+        fed = self.model.ninputs
         if jerk_filter is None:
             check_fed(as_trajectory(trajectory), range(fed))
         elif fed > 3:
@@ -380,7 +428,7 @@ class ServoLoop(Frozen):
             )
         start = float(as_trajectory(trajectory).start_state[0])
         moved = trajectory.shift(-start)
-        system, initial, behind = self.system(), np.zeros(self.system().nstates), None
+        system, initial, behind = self.model, np.zeros(self.model.nstates), None
         if jerk_filter is not None:
             behind = filter_outputs(checked_filter(jerk_filter), moved)
             system, fed, initial = behind_filter(system, jerk_filter, moved, behind)

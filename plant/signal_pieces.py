@@ -17,7 +17,7 @@ TERMS = 25
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """A signal in pieces, given by its derivatives at the start of each, (TERMS, m)."""
+    """A signal in pieces, given by its derivatives at the start of each, (n, m), n ≤ TERMS."""
 
     times: FloatArray
     durations: FloatArray
@@ -26,13 +26,11 @@ class Pieces:
     @cached_property
     def scaled(self) -> FloatArray:
         """Coefficients of powers of the part of a piece that has passed."""
-        powers = np.cumprod(
-            np.vstack(
-                [np.ones_like(self.durations)] + [self.durations / k for k in range(1, TERMS)]
-            ),
-            axis=0,
-        )
-        return np.asarray(self.rows * powers)
+        scaled, power = self.rows.copy(), np.ones_like(self.durations)
+        for k in range(1, len(scaled)):
+            power *= self.durations / k
+            scaled[k] *= power
+        return scaled
 
     @cached_property
     def bounds(self) -> FloatArray:

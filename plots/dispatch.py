@@ -2,57 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import singledispatch
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-from ..analysis.frequency_view import (
-    CascadedLags,
-    DescribingFunction,
-    NullBySize,
-    PeriodicResponse,
-    ShaperSensitivity,
-    VibrationMap,
-)
-from ..analysis.limit_tuning import TunedLimits
-from ..analysis.log_conformance import Conformance
-from ..analysis.loop_survey import Survey
-from ..analysis.margins import ManyMargins
-from ..analysis.measured import MeasuredResponse
-from ..analysis.sweep_result import SweepResult
-from ..fmu.cosimulation.cosimulation_result import CosimulationResult
-from ..plant import LoopResponse
-from ..shaping import FollowerResponse, Synchronized, Tour, Trajectory
-from ..shaping.trajectory import Planned
-from .conformance import plot_conformance
-from .cosimulation import plot_cosimulation
-from .describing_functions import (
-    plot_describing_function,
-    plot_describing_gain,
-    plot_periodic_response,
-)
-from .frequency_view import (
-    plot_cascaded_lags,
-    plot_null_by_size,
-    plot_shaper_sensitivity,
-    plot_vibration_map,
-)
-from .limit_tuning import plot_tuned_limits
-from .loop_response import plot_loop_response
-from .margin_contours import plot_margin_contours
-from .measured import plot_measured_response
-from .motions import plot_following, plot_trajectory
-from .paths import plot_synchronized, plot_tour
-from .survey import plot_survey
-from .sweep import plot_sweep
-
-Picture = Callable[..., Axes | Figure]
+# By the names of kinds, so that a picture imports no more than its own module.
+_PANELS = {
+    "Trajectory": "motions.plot_trajectory",
+    "Planned": "motions.plot_trajectory",
+    "Synchronized": "paths.plot_synchronized",
+    "Tour": "paths.plot_tour",
+    "LoopResponse": "loop_response.plot_loop_response",
+    "Survey": "survey.plot_survey",
+    "Conformance": "conformance.plot_conformance",
+    "CascadedLags": "frequency_view.plot_cascaded_lags",
+    "CosimulationResult": "cosimulation.plot_cosimulation",
+    "TunedLimits": "limit_tuning.plot_tuned_limits",
+    "MeasuredResponse": "measured.plot_measured_response",
+    "SweepResult": "sweep.plot_sweep",
+    "DescribingFunction": "describing_functions.plot_describing_function",
+}
+_SINGLE = {
+    "FollowerResponse": "motions.plot_following",
+    "ManyMargins": "margin_contours.plot_margin_contours",
+    "VibrationMap": "frequency_view.plot_vibration_map",
+    "NullBySize": "frequency_view.plot_null_by_size",
+    "ShaperSensitivity": "frequency_view.plot_shaper_sensitivity",
+    "PeriodicResponse": "describing_functions.plot_periodic_response",
+    "DescribingFunction": "describing_functions.plot_describing_gain",
+}
 
 
-@singledispatch
 def draw(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figure:
     """Draw a result by the function for its kind, with that function's options.
 
@@ -69,61 +52,30 @@ def draw(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figur
     TypeError
         For a result of another kind, and for axes where a picture has several panels.
     """
+    kind = _kind_of(result)
+    if kind in _SINGLE and (ax is not None or kind not in _PANELS):
+        alone: Axes = _picture(_SINGLE[kind])(result, ax=ax, **options)
+        return alone
+    if kind in _PANELS and ax is None:
+        several: Axes | Figure = _picture(_PANELS[kind])(result, **options)
+        return several
+    if kind in _PANELS:
+        raise TypeError(
+            f"ax = {ax!r}: a {type(result).__name__} is drawn in several panels; leave ax out, "
+            f"or give figure=… to jounce.plots.{_PANELS[kind].partition('.')[2]}"
+        )
     raise TypeError(
         f"a {type(result).__name__} has no picture: expected a result such as a Trajectory or a "
         f"Survey; ax = {ax!r} and options {list(options)} are for those"
     )
 
 
-def _of_panels(plot: Picture) -> Picture:
-    def drawn(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figure:
-        if ax is not None:
-            raise TypeError(
-                f"ax = {ax!r}: a {type(result).__name__} is drawn in several panels; leave ax out, "
-                f"or give figure=… to jounce.plots.{plot.__name__}"
-            )
-        return plot(result, **options)
-
-    return drawn
+def _kind_of(result: object) -> str:
+    """Return the name of the first of its types that has a picture; empty for none."""
+    ours = (kind for kind in type(result).__mro__ if kind.__module__.startswith("jounce."))
+    return next((kind.__name__ for kind in ours if kind.__name__ in _PANELS | _SINGLE), "")
 
 
-def _in_axes(plot: Picture) -> Picture:
-    def drawn(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figure:
-        return plot(result, ax=ax, **options)
-
-    return drawn
-
-
-@draw.register(DescribingFunction)
-def _(result: DescribingFunction, ax: Axes | None = None, **options: Any) -> Axes:
-    if ax is None:
-        return plot_describing_function(result, **options)
-    return plot_describing_gain(result, ax=ax, **options)
-
-
-_PANELS: dict[type, Picture] = {
-    Trajectory: plot_trajectory,
-    Planned: plot_trajectory,
-    Synchronized: plot_synchronized,
-    Tour: plot_tour,
-    LoopResponse: plot_loop_response,
-    Survey: plot_survey,
-    Conformance: plot_conformance,
-    CascadedLags: plot_cascaded_lags,
-    CosimulationResult: plot_cosimulation,
-    TunedLimits: plot_tuned_limits,
-    MeasuredResponse: plot_measured_response,
-    SweepResult: plot_sweep,
-}
-_SINGLE: dict[type, Picture] = {
-    FollowerResponse: plot_following,
-    ManyMargins: plot_margin_contours,
-    VibrationMap: plot_vibration_map,
-    NullBySize: plot_null_by_size,
-    ShaperSensitivity: plot_shaper_sensitivity,
-    PeriodicResponse: plot_periodic_response,
-}
-for kind, plot in _PANELS.items():
-    draw.register(kind, _of_panels(plot))
-for kind, plot in _SINGLE.items():
-    draw.register(kind, _in_axes(plot))
+def _picture(place: str) -> Any:
+    module, _, name = place.partition(".")
+    return getattr(import_module(f".{module}", __package__), name)

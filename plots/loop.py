@@ -139,7 +139,7 @@ def plot_step(step: StepResponse, *, ax: Axes) -> Axes:
 def loop_curve(survey: Survey) -> tuple[FloatArray, Any]:
     """Return frequencies around the crossover [Hz] and L there, up to half the samples'."""
     frequency, points = loop_frequencies(survey)
-    return frequency, survey.loop.loop_transfer()(points)
+    return frequency, survey.loop.open_model()(points)
 
 
 def loop_frequencies(survey: Survey) -> tuple[FloatArray, Any]:

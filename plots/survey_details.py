@@ -115,7 +115,7 @@ def plot_compliance(survey: Survey, *, ax: Axes) -> Axes:
     unit, scale = survey.labels.unit_of("compliance")
     bounds = [c.requirement for c in survey.requirements]
     bound = next((r.most for r in bounds if r.name == "compliance_peak"), None)
-    _gain(survey, survey.loop.sensitivity().PS, survey.compliance, unit, scale, ax)
+    _gain(survey, survey.loop.sensitivity_models().PS, survey.compliance, unit, scale, ax)
     if bound is not None:
         label = f"required ≤ {bound / scale:.3g} {unit}"
         ax.axhline(bound / scale, color=RED, linestyle="--", linewidth=1.0, label=label)
@@ -128,7 +128,7 @@ def plot_noise_gain(survey: Survey, *, ax: Axes) -> Axes:
     labels = survey.labels
     unit, scale = f"{labels.torque_unit}/{labels.position_unit}", 1.0 / labels.position_scale
     if isfinite(survey.noise_gain.value):
-        _gain(survey, survey.loop.sensitivity().CS, survey.noise_gain, unit, scale, ax)
+        _gain(survey, survey.loop.sensitivity_models().CS, survey.noise_gain, unit, scale, ax)
         ax.legend(loc="best")
     else:
         ax.text(0.5, 0.5, "grows for ever: a pure derivative", ha="center", transform=ax.transAxes)

@@ -16,6 +16,7 @@ from .frozen import Frozen, read_only
 from .limits import Limits
 from .pieces import MAX_SAMPLES, FloatArray, extrema
 from .real_numbers import real_array
+from .told import Rows, Told
 from .trajectory import Motion
 
 _NUMBERS = 2**17  # in the pieces and values worked out at a time, which stay in the cache
@@ -82,7 +83,7 @@ class Problems(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionBatch(Frozen):
+class MotionBatch(Told, Frozen):
     """The motions of N problems: moves from rest to rest, or transfers between any two states.
 
     `batch[i]` is motion i as `min_time_move` or `min_time_transfer` gives it (InfeasibleError where
@@ -145,6 +146,15 @@ class MotionBatch(Frozen):
 
     def __len__(self) -> int:
         return len(self.duration)
+
+    def table_rows(self) -> Rows:
+        """Return how many there are, how many can be planned, and what their durations are."""
+        some = self.duration[self.feasible]
+        yield "shape", str(self.shape)
+        yield "order", self.order
+        yield "feasible", f"{some.size} of {self.duration.size}"
+        if some.size:
+            yield "duration", f"{some.min():.7g} … {some.max():.7g}, mean {some.mean():.7g}"
 
     def __repr__(self) -> str:
         told = ""

@@ -15,14 +15,16 @@ from .frozen import Frozen
 from .pieces import FloatArray
 from .propagate import grid, inputs_on_grid, propagate
 from .real_numbers import real_array, real_number
+from .roots import root_between
+from .told import Told
 from .trajectory import Motion, Trajectory, as_trajectory
 
 MAX_FILTER_ORDER = 50
 """Highest filter order accepted."""
 
 
-@dataclass(frozen=True, eq=False)
-class FilterResponse(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class FilterResponse(Told, Frozen):
     """Exact response of a filter on a uniform time grid.
 
     Attributes
@@ -87,9 +89,11 @@ class JerkFilter:
         share = real_number("tolerance", tolerance)
         if not 0.0 < share < 1.0:
             raise ValueError(f"tolerance = {tolerance!r}: expected a fraction between 0 and 1")
-        from scipy.special import gammainccinv
-
-        return float(gammainccinv(self.order, share)) / self.omega
+        most = 1.0
+        while _log_rest(self.order, most) > log(share):
+            most *= 2.0
+        left = root_between(lambda x: _log_rest(self.order, x) - log(share), 0.0, most)
+        return left / self.omega
 
     def step_response(self, t: ArrayLike) -> FloatArray:
         """Return the response to a unit step at time 0: P(m, ωt), and 0 before."""
@@ -192,3 +196,12 @@ class JerkFilter:
 def checked_filter(jerk_filter: Any) -> JerkFilter:
     """Return a jerk filter; TypeError for anything else."""
     return of_kind("jerk_filter", jerk_filter, JerkFilter, "a JerkFilter")
+
+
+def _log_rest(order: int, x: float) -> float:
+    """Return ln Q(m, x), Q = e^(−x)·Σ_{k<m} x^k/k!: what a step leaves after ωt = x."""
+    term, total = 1.0, 1.0
+    for k in range(1, order):
+        term *= x / k
+        total += term
+    return log(total) - x

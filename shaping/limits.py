@@ -17,10 +17,11 @@ from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
 from .pieces import FloatArray
 from .real_numbers import shown
+from .told import Rows, Told, brief
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Limits(Frozen):
+class Limits(Told, Frozen):
     """Bounds lower_k ≤ x^(k)(t) ≤ upper_k on the derivatives k = 1, 2, … of position, and on it.
 
     Parameters
@@ -252,6 +253,13 @@ class Limits(Frozen):
 
     def __hash__(self) -> int:
         return hash(self._key)
+
+    def table_rows(self) -> Rows:
+        """Return lower and upper bounds by derivative, those that there are."""
+        sides = zip((self.position[0], *self.lower), (self.position[1], *self.upper), strict=True)
+        for k, (low, high) in enumerate(sides):
+            if _told(low, high) != "None":
+                yield derivative_name(k), f"{brief(low)} … {brief(high)}"
 
     def __repr__(self) -> str:
         told = [_told(low, high) for low, high in zip(self.lower, self.upper, strict=True)]

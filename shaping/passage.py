@@ -8,11 +8,12 @@ from typing import Any
 from .drawing import draw
 from .frozen import Frozen
 from .pieces import FloatArray
+from .told import Told
 from .trajectory import Planned, Trajectory
 
 
-@dataclass(frozen=True, eq=False)
-class Passage(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class Passage(Told, Frozen):
     """Points that are passed.
 
     Attributes

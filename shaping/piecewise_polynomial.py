@@ -11,18 +11,22 @@ from numpy.typing import ArrayLike
 
 from .. import core
 from .checks import positive, whole
-from .derivatives import derivative_number
+from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
 from .limits import Limits, of_one
 from .pieces import MAX_SAMPLES, FloatArray, advance, evaluate, extremes
 from .real_numbers import real_array
+from .told import Rows, Told, curve
 from .trajectory_checks import check_shapes, check_times, finite_array
 
 _ARRAYS = ("breaks", "states", "durations", "end_state")
 
 
+_SHOWN = 120  # points of a small picture
+
+
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class PiecewisePolynomial(Frozen):
+class PiecewisePolynomial(Told, Frozen):
     """The arrays of a trajectory and what is read from them; `Trajectory` says what they mean."""
 
     breaks: FloatArray
@@ -254,6 +258,19 @@ class PiecewisePolynomial(Frozen):
             if jumps[:, k].max() > 1e-9 * self.peak(k):
                 return int(k)
         return self.order
+
+    def table_rows(self) -> Rows:
+        """Return order, pieces, duration, ends, and the peak of every derivative."""
+        yield from (("order", self.order), ("pieces", len(self.states)))
+        yield "duration", self.duration
+        yield "from … to", f"{self.start_state[0]:.7g} … {self.end_state[0]:.7g}"
+        for k in range(1, self.order + 1):
+            yield f"peak {derivative_name(k)}", self.peak(k)
+
+    def picture(self) -> str:
+        """Return the position over time."""
+        times = np.linspace(self.start_time, self.end_time, _SHOWN)
+        return curve(self.evaluate(times, 0)[0].tolist(), "position over time")
 
     def __repr__(self) -> str:
         return (

@@ -19,6 +19,7 @@ from .pieces import FloatArray, advance, evaluate
 from .piecewise_polynomial import PiecewisePolynomial
 from .real_numbers import real_number
 from .sums import weighted_sum
+from .told import Rows, Told
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -264,7 +265,7 @@ class Trajectory(PiecewisePolynomial):
         return Trajectory.from_arrays(self.breaks, states, self.durations, end_state, self.coasting)
 
 
-class Planned(Frozen):
+class Planned(Told, Frozen):
     """A motion that knows what it was planned with: it has a trajectory, and answers as that does.
 
     Whatever takes a trajectory takes it, too (`as_trajectory`). The trajectory of a motion of the
@@ -307,6 +308,14 @@ class Planned(Frozen):
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *dir(self.trajectory)})
+
+    def table_rows(self) -> Rows:
+        """Return duration, ends and peaks, as the trajectory does."""
+        return self.trajectory.table_rows()
+
+    def picture(self) -> str:
+        """Return the position over time."""
+        return self.trajectory.picture()
 
     def __repr__(self) -> str:
         return type(self).__name__ + repr(self.trajectory).removeprefix("Trajectory")

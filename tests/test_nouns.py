@@ -4,6 +4,7 @@ import copy
 import dataclasses
 import pickle
 from types import MappingProxyType
+from xml.etree import ElementTree
 
 import control
 import numpy as np
@@ -89,6 +90,7 @@ from jounce.shaping import (
     through,
     velocity_move,
 )
+from jounce.shaping.trajectory import Planned
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
 LIMITER = Limits(velocity=1.0)
@@ -212,6 +214,38 @@ COPIES = {
         for protocol in some(range(pickle.HIGHEST_PROTOCOL + 1), 2)
     },
 }
+
+
+@pytest.mark.parametrize("noun", NOUNS, ids=NAMES)
+def test_a_noun_is_told_in_some_lines(noun):
+    told = repr(noun)
+    assert len(told) < 1000
+    assert told.count("\n") < 6
+    assert told.startswith((type(noun).__name__, "<"))
+
+
+@pytest.mark.parametrize("noun", [n for n in NOUNS if hasattr(n, "_repr_html_")])
+def test_a_result_is_a_small_table_in_a_notebook(noun):
+    html = noun._repr_html_()
+    assert len(html) < 8000
+    root = ElementTree.fromstring(f"<all>{html}</all>")
+    rows = root.findall("table/tr")
+    assert rows
+    for name, value in rows:
+        assert name.tag == "th"
+        assert 0 < len(value.text) < 200
+    moves = isinstance(noun, Trajectory | Planned)
+    assert len(root.findall(".//{*}polyline")) == moves
+
+
+def test_tables_tell_what_results_are():
+    html = SURVEY._repr_html_()
+    for part in ("phase margin", "45 deg", "60 arcsec step", "settled"):
+        assert part in html
+    assert "-1 … 1" in LIMITS._repr_html_()
+    assert "acceleration" in LIMITS._repr_html_()
+    kinds = {type(noun) for noun in NOUNS if hasattr(noun, "_repr_html_")}
+    assert {Limits, Trajectory, Transfer, type(SURVEY), type(loop_margins(LOOP))} <= kinds
 
 
 def test_every_public_noun_is_here():

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...plant.balance import balanced
 from .factored_loop import Complex, FactoredLoop, Real
 from .imaginary_axis import set_on_axis
 from .w_plane import around_one, on_w_plane, without_samples
@@ -151,11 +152,9 @@ def _joined(a: Any) -> npt.NDArray[np.bool_]:
 
 def _balanced(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any, Any]:
     """Scale the states by powers of two so that rows and columns of [[A, B], [C, D]] match."""
-    from scipy.linalg import matrix_balance
-
     whole = np.block([[a, b[:, None]], [c[None, :], d]])
-    balanced, _ = matrix_balance(whole, permute=False)
-    return balanced[:-1, :-1], balanced[:-1, -1], balanced[-1, :-1]
+    matched = balanced(whole)[0]
+    return matched[:-1, :-1], matched[:-1, -1], matched[-1, :-1]
 
 
 def _invariant_zeros(a: Any, b: Any, c: Any, d: Any) -> tuple[Complex, float]:

@@ -14,6 +14,7 @@ from ...plant import PID, Inertia
 from ...shaping.checks import of_kind
 from ...shaping.drawing import draw
 from ...shaping.frozen import Frozen
+from ...shaping.told import Rows, Told, fields_of
 from ...shaping.trajectory_checks import finite_array
 from .factored_loop import DAMPING_FLOOR, Real
 from .many_crossings import pieces_of, stable
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 _CHUNK = 4096  # loops whose arrays stay in the processor's cache
 
 
-@dataclass(frozen=True, eq=False)
-class ManyMargins(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class ManyMargins(Told, Frozen):
     """Margins of many negative-feedback loops, arrays of one shape, read-only.
 
     As in `LoopMargins`: what nothing limits is inf, and its frequency nan; a frequency is 0 or
@@ -79,6 +80,15 @@ class ManyMargins(Frozen):
     def __getitem__(self, index: Any) -> ManyMargins:
         """Return the margins of some of the loops."""
         return ManyMargins(*(getattr(self, field.name)[index] for field in fields(self)))
+
+    def table_rows(self) -> Rows:
+        """Return how many are stable, and the range of each margin over those."""
+        yield "shape", str(self.shape)
+        yield "stable", f"{int(np.count_nonzero(self.stable))} of {self.stable.size}"
+        for name, values in fields_of(self):
+            known = values[np.isfinite(values)] if name != "stable" else np.empty(0)
+            if known.size:
+                yield name, f"{known.min():.5g} … {known.max():.5g}"
 
     def __repr__(self) -> str:
         return f"ManyMargins(shape={self.shape}, stable={int(np.count_nonzero(self.stable))})"

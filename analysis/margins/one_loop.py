@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from ...plant import ServoLoop, as_controller
+from ...plant.models import Rational, StateModel
 from ...shaping.checks import finite
 from ..measured import MeasuredMargins, MeasuredResponse, is_frd, measured_margins
 from .bandwidth import bandwidth
@@ -149,7 +150,7 @@ def loop_margins(
     if isinstance(system, ServoLoop):
         if controller is not None and system.controller is not controller:
             system = replace(system, controller=as_controller(controller))
-        system = system.loop_transfer()
+        system = system.open_model()
     _validate(system)
     loop = factored(system, _checked_delay(system, delay))
     if not loop.gain:
@@ -172,6 +173,8 @@ def _of_data(system: Any, delay: float, controller: Any, measured_with: Any) -> 
 
 
 def _validate(system: Any) -> None:
+    if isinstance(system, StateModel | Rational):
+        return
     import control
 
     if not isinstance(system, control.StateSpace | control.TransferFunction):

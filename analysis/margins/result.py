@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 from .factored_loop import Complex
 
 
-@dataclass(frozen=True, eq=False)
-class LoopMargins(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopMargins(Told, Frozen):
     """Margins of a negative-feedback loop with open-loop transfer L.
 
     With S = 1/(1 + L) and T = L/(1 + L). A margin that nothing limits is inf and its frequency

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 from .controller_values import ControllerValues, controller_values
 from .measured_response import MeasuredResponse
 from .rational_fits import Complex, Real
@@ -88,8 +89,8 @@ def plant_response(measured: MeasuredResponse, controller: Any) -> MeasuredRespo
     )
 
 
-@dataclass(frozen=True, eq=False)
-class ClosedResponses(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class ClosedResponses(Told, Frozen):
     """S and T of a measured loop on its lines.
 
     Attributes

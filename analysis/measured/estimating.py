@@ -12,6 +12,7 @@ import numpy as np
 from ...shaping.checks import positive, whole
 from ...shaping.frozen import Frozen
 from ...shaping.real_numbers import real_array
+from ...shaping.told import Told
 from .averaged import stepped, welch
 from .measured_response import MeasuredResponse
 from .periodic import Estimate, estimate, left_out_levels, spectra
@@ -21,8 +22,8 @@ _SEGMENTS = 12
 _LOW = 0.3  # coherence of w below which a line is not to be trusted
 
 
-@dataclass(frozen=True, eq=False)
-class EstimatedFRF(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class EstimatedFRF(Told, Frozen):
     """Responses estimated from records, all on the same lines.
 
     Attributes

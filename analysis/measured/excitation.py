@@ -10,11 +10,12 @@ import numpy as np
 from ...shaping import Limits, Trajectory
 from ...shaping.checks import finite, positive, whole
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 from .rational_fits import Real
 
 
-@dataclass(frozen=True, eq=False)
-class Multisine(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class Multisine(Told, Frozen):
     """One period of an excitation, w = Σ A·cos(2π·f·t + φ) over its lines, held a sample long.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy as np
 from ...plant import Axis, FlexibleMode
 from ...shaping.checks import finite, whole
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 from .measured_response import MeasuredResponse
 from .rational_fits import Complex, Real
 from .vector_fit import mode_poles, pair_basis
@@ -20,8 +21,8 @@ _MOST_MODES = 6
 _DELAYS = 5  # first guesses, from none to two samples
 
 
-@dataclass(frozen=True)
-class FittedAxis(Frozen):
+@dataclass(frozen=True, repr=False)
+class FittedAxis(Told, Frozen):
     """A model of a measured plant and how sure its numbers are.
 
     Attributes

@@ -13,6 +13,7 @@ from ...shaping.checks import one_of, positive, whole
 from ...shaping.drawing import draw
 from ...shaping.frozen import Frozen
 from ...shaping.real_numbers import shown
+from ...shaping.told import Rows, Told
 from .local_fits import LEAST_LINES, LocalFits, local_fits
 from .rational_fits import Complex, Real
 
@@ -28,8 +29,8 @@ MOST_LINES = 200_000
 _MOST_INTEGRATORS = 6
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredResponse(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredResponse(Told, Frozen):
     """A measured frequency response: lines, complex values and their standard deviations.
 
     With u the plant's input as it is sent, y its output as it is read, w an excitation added to
@@ -154,6 +155,12 @@ class MeasuredResponse(Frozen):
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw it by `jounce.plots`; with controller=… the loop that it closes."""
         return draw(self, ax, **options)
+
+    def table_rows(self) -> Rows:
+        """Return kind, lines and range."""
+        yield "kind", self.kind
+        yield "lines", len(self.frequency_hz)
+        yield "frequencies", f"{self.frequency_hz[0]:.5g} … {self.frequency_hz[-1]:.5g} Hz"
 
     def __repr__(self) -> str:
         low, high = self.frequency_hz[[0, -1]]

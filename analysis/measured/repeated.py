@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 from .margins_of_data import measured_margins
 from .measured_response import MeasuredResponse
 from .result import BARRED, MeasuredMargins
 
 
-@dataclass(frozen=True)
-class RepeatedMargins(Frozen):
+@dataclass(frozen=True, repr=False)
+class RepeatedMargins(Told, Frozen):
     """Margins of one controller on several measurements, by name.
 
     Attributes

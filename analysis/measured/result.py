@@ -7,6 +7,7 @@ from math import isfinite, isnan, nan
 from typing import Any
 
 from ...shaping.frozen import Frozen
+from ...shaping.told import Told
 
 BARRED = (
     "crossover_hz",
@@ -23,8 +24,8 @@ BARRED = (
 """The margins that have a standard deviation, `<name>_sigma`."""
 
 
-@dataclass(frozen=True)
-class MeasuredMargins(Frozen):
+@dataclass(frozen=True, repr=False)
+class MeasuredMargins(Told, Frozen):
     """Margins of a loop as far as it was measured: nothing is extrapolated.
 
     Names and units are those of `LoopMargins`. A margin that the data cannot give is nan, never

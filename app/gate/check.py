@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...analysis.loop_survey import Survey, UnstableLoopError
+from ...analysis.loop_survey import Survey
+from ...analysis.unstable_loop import UnstableLoopError
 from ..scenario import Scenario, as_scenario
 from ..scenario_survey import survey_file
 from .baseline import Baseline, check_origin, in_unit, load_baseline, stored_conditions

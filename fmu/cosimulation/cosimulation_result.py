@@ -11,12 +11,13 @@ from pathlib import Path
 
 from ...shaping.frozen import Frozen
 from ...shaping.pieces import FloatArray
+from ...shaping.told import Told
 from ..exporting.archive import write_atomically
 from ..importing.description import FmuError, candidates
 
 
-@dataclass(frozen=True, eq=False)
-class CosimulationResult(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class CosimulationResult(Told, Frozen):
     """Signals of a co-simulation at its communication points t_0 … t_N.
 
     Attributes

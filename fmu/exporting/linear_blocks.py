@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...plant.balance import balanced
 from .blocks import Block, Variable
 from .loop_blocks import HELD
 from .motion_blocks import SAMPLING
@@ -51,9 +52,7 @@ def _check(system: control.StateSpace, unit_of: Mapping[str, str]) -> None:
 
 
 def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str]) -> Block:
-    from scipy.linalg import matrix_balance
-
-    balanced, (scale, _) = matrix_balance(system.A, permute=False, separate=True)
+    matrix, scale = balanced(system.A)
     fastest = float(np.abs(system.poles()).max(initial=0.0))
     step = 10.0 ** float(np.floor(np.log10(0.1 / fastest))) if fastest > 0.0 else 1e-3
     return Block(
@@ -68,7 +67,7 @@ def _continuous(system: control.StateSpace, name: str, unit_of: Mapping[str, str
         "continuous",
         constants=_sizes(system),
         tables={
-            "rate_by_state": table_rows(balanced),
+            "rate_by_state": table_rows(matrix),
             "rate_by_input": table_rows(system.B / scale[:, None]),
             "output_by_state": table_rows(system.C),
             "output_by_input": table_rows(system.D),

@@ -8,6 +8,8 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ...shaping.told import Rows, Told
+
 if TYPE_CHECKING:
     from ...shaping.pieces import FloatArray
 
@@ -15,6 +17,7 @@ CO_SIMULATION = "co-simulation"
 
 _NAMES_IN_ERROR = 12
 _LINES_IN_TEXT = 60
+_NAMED = 12  # variables that a table names
 
 
 class FmuError(ValueError):
@@ -171,8 +174,8 @@ class Unknown:
     dependencies: tuple[str, ...] | None = None
 
 
-@dataclass(frozen=True)
-class FmuDescription:
+@dataclass(frozen=True, repr=False)
+class FmuDescription(Told):
     """What is in an FMU, read without running any of it.
 
     Attributes
@@ -218,6 +221,16 @@ class FmuDescription:
     derivatives: tuple[Unknown, ...] = ()
     initial_unknowns: tuple[Unknown, ...] = ()
     sha256: str = ""
+
+    def table_rows(self) -> Rows:
+        """Return what it is, and the variables of each causality."""
+        yield from (("model", self.model_name), ("FMI", self.fmi_version))
+        yield "kinds", ", ".join(self.kinds)
+        yield "platforms", ", ".join(self.platforms) or "none"
+        for causality in ("input", "output", "parameter"):
+            names = [variable.name for variable in self.of_causality(causality)]
+            some = ", ".join(names[:_NAMED]) + (", …" if len(names) > _NAMED else "")
+            yield f"{causality}s", f"{len(names)}: {some}" if names else "none"
 
     def variable(self, name: str) -> FmuVariable:
         """Return the variable of a name, an alias or an element, such as A[1,2] of A.

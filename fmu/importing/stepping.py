@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...shaping.pieces import FloatArray
+from ...shaping.told import table
 from .description import FmuDescription, FmuError, FmuVariable
 from .instance import Instance
 from .library import Session
@@ -126,6 +127,17 @@ class Fmu:
             f"{self.description.model_name}: an Fmu cannot be copied or pickled; load it again, "
             "with load_fmu, for another instance"
         )
+
+    def _repr_html_(self) -> str:
+        """Return the FMU as a table: time, and each input and output with its unit."""
+        rows = [("FMI", self.description.fmi_version)]
+        rows += [("input", self._labelled(name)) for name in self.input_names]
+        rows += [("output", self._labelled(name)) for name in self.output_names]
+        rows.append(("state", f"at time {self._at.time:g}" if self._at.is_open else "closed"))
+        return table(self.description.model_name, rows)
+
+    def _labelled(self, name: str) -> str:
+        return f"{name} [{self.units[name]}]" if self.units[name] else name
 
     def __repr__(self) -> str:
         state = f"at time {self._at.time:g}" if self._at.is_open else "closed"

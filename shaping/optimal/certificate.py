@@ -13,6 +13,7 @@ from ..checks import in_range, positive
 from ..derivatives import derivative_name
 from ..limits import Limits, of_one
 from ..pieces import evaluate
+from ..told import Told
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .half_bounds import proven_by_half
 from .proof import Proof, Proven, Slopes
@@ -27,8 +28,8 @@ _AT_REST = 1e-9  # of a derivative's peak
 _TARGETS = (1.0, 0.5, 0.2)  # of the gap asked for: searches, the next where one was not enough
 
 
-@dataclass(frozen=True)
-class Certificate:
+@dataclass(frozen=True, repr=False)
+class Certificate(Told):
     """A proof of how near a motion is to the minimum time under its limits.
 
     Attributes

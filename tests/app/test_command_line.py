@@ -283,7 +283,8 @@ def test_plan_writes_both_files_or_none(run, folder, bad):
         (("plan", "60 arcsec", *LIMIT, "--order", "six"), "--order"),
         (("plan", "60 arcsec", "--acceleration"), "--acceleration"),
         (("survey",), "scenario"),
-        (("survey", "case.toml"), "--output"),
+        (("survey", "case.toml", "--pdf"), "--output"),
+        (("survey", "case.toml", "--details"), "--output"),
         (("survey", "case.toml", "--outptu", "out"), "--outptu"),
         (("check",), "scenario"),
         (("check", "case.toml", "--baselin", "b.json"), "--baselin"),
@@ -315,7 +316,7 @@ def test_help(run, command):
             "neither",
         ),
         ("plan",): ("--rise-time", "--plot"),
-        ("survey",): ("--output",),
+        ("survey",): ("--output", "--details", "--pdf", "replaced"),
     }
     assert all(word in out for word in shown[command])
 

@@ -33,6 +33,24 @@ def test_survey_prints_and_writes(run, folder):
     assert names(folder) == {"a"}
 
 
+def test_survey_without_a_folder_only_prints(run, folder):
+    status, out, errors = run("survey", EXAMPLES / "rubin_mount.toml")
+    assert (status, errors) == (0, [])
+    assert "1.4315" in out
+    assert "Wrote" not in out
+    assert names(folder) == set()
+
+
+@pytest.mark.usefixtures("quick")
+def test_survey_writes_details_and_pdf_on_request(run):
+    axis = EXAMPLES / "telescope_azimuth.toml"
+    status, out, errors = run("survey", axis, "-o", "out", "--details", "--pdf")
+    assert (status, errors) == (0, [])
+    pages = {"survey.png", "survey.pdf", "details.png", "details.pdf"}
+    assert pages <= names(Path("out"))
+    assert all(page in out for page in pages)
+
+
 @pytest.mark.usefixtures("quick")
 def test_survey_says_that_the_published_gains_miss(run):
     status, out, _ = run("survey", EXAMPLES / "telescope_published_gains.toml", "-o", "out")

@@ -12,7 +12,6 @@ from jounce.app.units import (
     FREQUENCY,
     Kind,
     UnitError,
-    _registry,
     conversion,
     convert,
     factor,
@@ -282,9 +281,3 @@ def test_units_convert(unit, to, ratio):
 def test_units_of_another_kind_do_not(unit, to):
     with pytest.raises(UnitError, match="write a unit such as 'arcsec'"):
         conversion(unit, to)
-
-
-def test_reading_units_logs_nothing(caplog):
-    _registry.cache_clear()
-    assert not any(_registry().Quantity(1, unit).unitless for unit in ("mm", "in", "arcsec"))
-    assert not caplog.records

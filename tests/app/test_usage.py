@@ -7,7 +7,7 @@ FRF = ("frf", "x.csv", "--kind", "loop")
 DECEL = ("--velocity", "1 m/s", "--jerk", "1 m/s^3", "--decel", "1 m/s^2")
 
 REFUSED = {
-    ("survey", GOOD): ["--output", "jounce survey --help"],
+    ("survey", GOOD, "--pdf"): ["--pdf without --output", "name the folder"],
     ("survey",): ["scenario"],
     ("survey", GOOD, "--output"): ["--output", "requires an argument"],
     ("survey", GOOD, "--out", "x"): ["unknown option --out", "--output?"],

@@ -9,7 +9,7 @@ from jounce.plant import PID, FlexibleInertia, Inertia, InertiaFeedforward, Serv
 from jounce.plant.exact_response import respond, state_space
 from jounce.plant.linear_system import linear_system, static_gain
 from jounce.plant.sampled import zero_order_hold
-from jounce.shaping import JerkFilter, Limits, min_time_move
+from jounce.shaping import Limits, min_time_move
 
 MOVE = min_time_move(1.0, Limits(velocity=1.0, acceleration=2.0, jerk=8.0))
 LOOP = ServoLoop(Inertia(2.0), PID(40.0, 30.0, 20.0), InertiaFeedforward(1.5))
@@ -54,7 +54,6 @@ def loop_of(pid):
 WITHOUT_STATES = {
     "feedforward": InertiaFeedforward(2.0).system,
     "digital controller": lambda: PID(1.0, 0.0, 2.0).sampled(0.1),
-    "response behind a filter": lambda: LOOP.respond(MOVE, 0.1, jerk_filter=JerkFilter(5.0, 3)),
     "interconnected loop": lambda: loop_of(PID(1.0, 1.0, 1.0)).system(),
     "sampled loop": lambda: loop_of(PID(1.0, 0.0, 2.0)).sampled_loop_transfer(0.01, delay=0.004),
     "transfer function": lambda: state_space(TURNED),

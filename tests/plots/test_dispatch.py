@@ -7,7 +7,11 @@ import matplotlib.pyplot as plt
 import pytest
 from matplotlib.figure import Figure
 
-from jounce.plots import draw
+import jounce.analysis
+import jounce.fmu
+import jounce.plant
+import jounce.shaping.trajectory
+from jounce.plots import dispatch, draw
 from jounce.shaping import CommandFollower, Limits, drawing, min_time_move
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0)
@@ -47,3 +51,11 @@ def test_pictures_are_loaded_when_first_asked_for():
         "assert 'jounce.plots' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_every_kind_is_a_result_and_every_picture_a_function():
+    kinds = {**dispatch._PANELS, **dispatch._SINGLE}
+    modules = (jounce.shaping, jounce.plant, jounce.analysis, jounce.fmu, jounce.shaping.trajectory)
+    for kind, place in kinds.items():
+        assert any(hasattr(module, kind) for module in modules), kind
+        assert callable(dispatch._picture(place))

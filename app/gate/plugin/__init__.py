@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import pytest
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from pytest_datadir.plugin import LazyDataDir
-
     from jounce.app.gate.margins_regression import MarginsRegression
 
 
 @pytest.fixture
-def margins_regression(
-    lazy_datadir: LazyDataDir, original_datadir: Path, request: pytest.FixtureRequest
-) -> MarginsRegression:
+def margins_regression(request: pytest.FixtureRequest) -> MarginsRegression:
     """Keep a loop's margins in a file beside the test: ``margins_regression.check(loop)``."""
+    if find_spec("pytest_regressions") is None:
+        pytest.fail(
+            "margins_regression needs the package pytest-regressions: pip install 'jounce[pytest]'",
+            pytrace=False,
+        )
     from jounce.app.gate.margins_regression import MarginsRegression
 
-    return MarginsRegression(lazy_datadir, original_datadir, request)
+    datadir, original = map(request.getfixturevalue, ("lazy_datadir", "original_datadir"))
+    return MarginsRegression(datadir, original, request)

@@ -255,6 +255,18 @@ def test_in_a_project_of_its_own(tmp_path):
     assert files == {"test_loop_a_.json", "test_loop_b__1__.json"}
 
 
+def test_without_pytest_regressions_one_line_says_what_to_install(tmp_path):
+    (tmp_path / "conftest.py").write_text(
+        "import sys\nsys.modules['pytest_regressions'] = None  # as if it were not there\n"
+    )
+    (tmp_path / "test_loop.py").write_text("def test_loop(margins_regression): pass\n")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stdout.count("pip install 'jounce[pytest]'") == 1, done.stdout
+    assert "Traceback" not in done.stdout
+
+
 def test_the_plugin_costs_other_projects_nothing():
     code = (
         "import sys, pytest; before = set(sys.modules); import jounce.pytest_plugin; "
