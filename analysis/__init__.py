@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         repeated_margins,
     )
     from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
+    from .sweep_result import SweepResult
     from .tuning import TunedPID, tune_pid
     from .unstable_loop import UnstableLoopError
 
@@ -86,6 +87,7 @@ _LATER = {
     "ShaperSensitivity": "frequency_view",
     "Specification": "specification",
     "Survey": "loop_survey",
+    "SweepResult": "sweep_result",
     "Tracking": "specification",
     "TunedLimits": "limit_tuning",
     "TunedPID": "tuning",
@@ -152,6 +154,7 @@ __all__ = [
     "ShaperSensitivity",
     "Specification",
     "Survey",
+    "SweepResult",
     "Tracking",
     "TunedLimits",
     "TunedPID",

@@ -59,10 +59,10 @@ def product_of(text: str) -> Product:
 
 def _powers(text: str) -> Iterator[tuple[str, int]]:
     """Yield names and exponents, those behind a solidus negative."""
-    for sign, factor in re.findall(r"([*/]?)(\([^)]*\)|[^*/()]+)", text):
+    for sign, factor, outer in re.findall(r"([*/]?)(\([^)]*\)|[^*/()^]+)(?:\^(-?\d+))?", text):
         for power in factor.strip("()").split("*"):
             name, _, exponent = power.partition("^")
-            yield name, int(exponent or 1) * (-1 if sign == "/" else 1)
+            yield name, int(exponent or 1) * int(outer or 1) * (-1 if sign == "/" else 1)
 
 
 def _unit_of(name: str) -> tuple[Decimal, dict[str, int]]:
