@@ -224,27 +224,28 @@ def _by_processes(
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
-    pool = ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=_take, initargs=(problem,)
-    )
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
     try:
-        waiting = [pool.submit(_work_taken, *batch) for batch in given]
+        waiting = [pool.submit(_work_there, problem, *batch) for batch in given]
         for done in as_completed(waiting):
             yield done.result()
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-_TAKEN: list[Problem] = []
+_SENT: dict[str, Problem] = {}
 
 
-def _take(problem: Problem) -> None:
-    """Keep the problem in a worker, with the gains that it designs, for all its batches."""
-    _TAKEN[:] = [problem]
+def _work_there(problem: Problem, first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
+    """Work in another process, which keeps the gains that it has designed for all its batches.
 
-
-def _work_taken(first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
-    return _work(_TAKEN[0], first, points)
+    The problem goes with every batch, not once to each worker: a worker may die or come late.
+    """
+    known = json.dumps([problem.content, problem.keys, problem.figures, problem.hold_gains])
+    if known not in _SENT:
+        _SENT.clear()
+        _SENT[known] = problem
+    return _work(_SENT[known], first, points)
 
 
 def _by_cluster(
@@ -252,9 +253,8 @@ def _by_cluster(
 ) -> Iterator[tuple[int, list[Row]]]:
     from dask.distributed import as_completed
 
-    shared = client.scatter(problem, broadcast=True)
-    work: Callable[..., Any] = _work
-    waiting = [client.submit(work, shared, *batch, pure=False, retries=2) for batch in given]
+    work: Callable[..., Any] = _work_there
+    waiting = [client.submit(work, problem, *batch, pure=False, retries=2) for batch in given]
     try:
         for done in as_completed(waiting):  # type: ignore[no-untyped-call]
             yield done.result()
