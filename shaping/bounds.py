@@ -18,6 +18,9 @@ Side = float | FloatArray
 Bound = float | tuple[ArrayLike, ArrayLike] | list[float] | NDArray[np.floating]
 """A positive number (bound on the magnitude), a pair lower ≤ 0 ≤ upper, or an array of either."""
 
+Pair = tuple[Side | None, Side]
+"""Both sides of a bound; the lower one is None where it is the upper with the other sign."""
+
 PositionBound = tuple[ArrayLike, ArrayLike] | list[float] | NDArray[np.floating]
 """A pair lower < upper, or an array (m, 2) of pairs."""
 
@@ -29,8 +32,8 @@ _EXPECTED = (
 )
 
 
-def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
-    """Return the bound on derivative k as (lower, upper), checked; arrays are read-only copies.
+def sides_of(bound: Bound | None, k: int) -> Pair:
+    """Return the bound on derivative k as (lower, upper), checked; arrays are those given.
 
     The lower one is None where it is that of the upper, with the other sign.
 
@@ -47,14 +50,38 @@ def sides_of(bound: Bound | None, k: int) -> tuple[Side | None, Side]:
         if not isinstance(bound, tuple | list):
             low, high = _sides_of_array(real_array("bound", bound))
         elif len(bound) == 2 and not any(isinstance(side, tuple | list) for side in bound):
-            low, high = (np.array(real_array("bound", side)) for side in bound)
+            low, high = (real_array("bound", side) for side in bound)
         else:
             raise TypeError
     except TypeError:
         told = f"{derivative_name(k)} limit {shown(bound)}: {_EXPECTED}"
         raise TypeError(told + _remedy_of_kind(bound)) from None
     _check_around_zero(bound, low, high, k)
-    return None if low is None else _side(low), _side(high)
+    return None if low is None else _number_or_array(low), _number_or_array(high)
+
+
+def read_only_copies(pairs: list[Pair]) -> list[Pair]:
+    """Return sides with their arrays copied, all into one piece of memory.
+
+    Pieces of their own would each be taken from the system and given back anew.
+    """
+    arrays = [side for pair in pairs for side in pair if isinstance(side, np.ndarray)]
+    if not arrays:
+        return pairs
+    block, begin = np.empty(sum(side.size for side in arrays)), 0
+    for side in arrays:
+        block[begin : begin + side.size] = side.ravel()
+        begin += side.size
+    block.flags.writeable = False
+    ends = iter(np.cumsum([side.size for side in arrays]))
+
+    def copy(side: Side | None) -> Side | None:
+        if not isinstance(side, np.ndarray):
+            return side
+        end = int(next(ends))
+        return block[end - side.size : end].reshape(side.shape)
+
+    return [(copy(low), copy(high)) for low, high in pairs]  # type: ignore[misc]
 
 
 def position_sides(bound: PositionBound | None) -> tuple[Side, Side]:
@@ -102,8 +129,8 @@ def has_zero(sides: Iterable[Side]) -> bool:
 
 def _sides_of_array(bounds: FloatArray) -> tuple[FloatArray | None, FloatArray]:
     if bounds.ndim > 1 and bounds.shape[-1] == 2:
-        return bounds[..., 0].copy(), bounds[..., 1].copy()
-    return None, bounds.copy()
+        return bounds[..., 0], bounds[..., 1]
+    return None, bounds
 
 
 def _remedy_of_kind(bound: object) -> str:
@@ -112,6 +139,10 @@ def _remedy_of_kind(bound: object) -> str:
     if len(bound) == 2 and any(side is None for side in bound):
         return "; write -inf or inf for a side without a bound"
     return "; make a list of bounds an array, as numpy.array does"
+
+
+def _number_or_array(values: FloatArray) -> Side:
+    return values if values.ndim else float(values)
 
 
 def _side(values: FloatArray) -> Side:

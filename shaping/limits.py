@@ -11,7 +11,17 @@ from typing import Any
 import numpy as np
 
 from .. import core
-from .bounds import FREE, Bound, PositionBound, Side, has_zero, position_sides, sides_of
+from .bounds import (
+    FREE,
+    Bound,
+    Pair,
+    PositionBound,
+    Side,
+    has_zero,
+    position_sides,
+    read_only_copies,
+    sides_of,
+)
 from .checks import entries
 from .derivatives import derivative_name, derivative_number
 from .frozen import Frozen
@@ -124,7 +134,7 @@ class Limits(Told, Frozen):
             pairs.pop()
         if not pairs:
             raise ValueError("no limits given: bound at least one derivative, e.g. acceleration=1")
-        self._take(pairs)
+        self._take(read_only_copies(pairs))
         _check_highest(self)
         try:
             self.shape  # noqa: B018  (which does not exist where arrays do not fit)
@@ -141,7 +151,7 @@ class Limits(Told, Frozen):
         fields["lower"], fields["upper"], fields["flat"] = known
         fields["plain"], fields["bounds_position"] = True, False
 
-    def _take(self, pairs: list[tuple[Side | None, Side]]) -> None:
+    def _take(self, pairs: list[Pair]) -> None:
         fields = self.__dict__
         fields["upper"] = tuple(high for _, high in pairs)
         if any(low is not None for low, _ in pairs):
