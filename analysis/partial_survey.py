@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..plant import ServoLoop
 from ..shaping import JerkFilter
@@ -19,11 +19,32 @@ from .disturbed import (
 from .loop_survey import stable_margins
 from .margins import LoopMargins
 from .peak_gain import PeakGain, peak_gain
+from .planned_moves import planned
 from .requirement_checks import figure_of
 from .specification import Move, Requirement
 from .step_response import StepResponse, step_response
 from .surveyed_loop import Poles, decaying_poles
-from .surveyed_moves import MoveSurvey, move_survey
+from .surveyed_moves import MoveSurvey, exact_figures, move_survey, on_a_grid
+
+
+class _Figures:
+    """Figures of a response to a move by the names of `MoveResponse`, each found when asked for."""
+
+    def __init__(self, found: Callable[[str], float]) -> None:
+        self._found = found
+
+    def __getattr__(self, name: str) -> float:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._found(name)
+
+
+class _PartialMove(NamedTuple):
+    """What `MoveSurvey` has of a move, as far as figures go."""
+
+    name: str
+    duration_s: float
+    configured: _Figures
 
 
 class PartialSurvey:
@@ -73,13 +94,22 @@ class PartialSurvey:
         return decaying_poles(self.margins)
 
     @cached_property
-    def moves(self) -> tuple[MoveSurvey, ...]:
+    def moves(self) -> tuple[MoveSurvey | _PartialMove, ...]:
         """Each move, run through the loop with its own feedforward alone."""
-        loops = {"with feedforward": self.loop}
-        return tuple(
-            move_survey(move, loops, self._poles, jerk_filter=self._jerk_filter, modes=())
-            for move in self._moves
-        )
+        return tuple(map(self._move, self._moves))
+
+    def _move(self, move: Move) -> MoveSurvey | _PartialMove:
+        try:
+            if on_a_grid(self.loop, move, self._jerk_filter):
+                loops = {"with feedforward": self.loop}
+                return move_survey(
+                    move, loops, self._poles, jerk_filter=self._jerk_filter, modes=()
+                )
+            trajectory = planned(move)
+            figures = exact_figures(self.loop, trajectory, move, self._poles)
+        except ValueError as error:
+            raise ValueError(f"move {move.name!r}: {error}") from None
+        return _PartialMove(move.name, trajectory.duration, _Figures(figures))
 
     @cached_property
     def step(self) -> StepResponse:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import ceil, inf, sqrt
 from typing import Any
 
@@ -30,9 +31,17 @@ def planned(move: Move) -> Trajectory:
 
 
 def _fastest(move: Move, limits: Limits) -> Trajectory:
-    timing: dict[str, Any] = {"duration": move.duration, "round_to": move.round_to}
+    return _planned(move.distance, limits, move.duration, move.round_to)
+
+
+@lru_cache(maxsize=256)
+def _planned(
+    distance: float, limits: Limits, duration: float | None, round_to: float | None
+) -> Trajectory:
+    """Return a move, planned once for all the loops that are asked to make it."""
+    timing: dict[str, Any] = {"duration": duration, "round_to": round_to}
     asked = {name: value for name, value in timing.items() if value is not None}
-    return min_time_move(move.distance, limits, **asked)
+    return min_time_move(distance, limits, **asked)
 
 
 def _minimum_jerk(move: Move, limits: Limits) -> Trajectory:

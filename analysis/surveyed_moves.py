@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, log, nan
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 
@@ -135,42 +136,87 @@ def _response(
     poles: Poles,
     jerk_filter: JerkFilter | None,
 ) -> MoveResponse:
+    if on_a_grid(loop, move, jerk_filter):
+        return _on_a_grid(name, loop, trajectory, move, poles, jerk_filter)
+    return _exactly(name, loop, trajectory, move, poles)
+
+
+def on_a_grid(loop: ServoLoop, move: Move, jerk_filter: JerkFilter | None) -> bool:
+    """Whether a response is taken from fine samples; ValueError for what neither way has."""
     acting = move.disturbances
     if acting is not None and jerk_filter is not None:
         raise ValueError(
             "disturbances behind a jerk filter: the filter is for a linear loop that nothing "
             "disturbs; shape the command by limits instead, or leave one of the two out"
         )
-    if jerk_filter is not None or (is_ideal(loop) and acting is None):
-        return _on_a_grid(name, loop, trajectory, move, poles, jerk_filter)
-    return _exactly(name, loop, trajectory, move, poles)
+    return jerk_filter is not None or (is_ideal(loop) and acting is None)
 
 
 def _exactly(
     name: str, loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
 ) -> MoveResponse:
-    lead, acting = trajectory.duration, move.disturbances or Disturbances()
-    duration = followed_until(loop, poles, _decay(move), max(lead, acting.until))
+    lead, duration = trajectory.duration, _followed(loop, trajectory, move, poles)
     times = shown_times(trajectory.start_time, lead, duration)
-    found = loop.respond(
-        trajectory, duration=duration, times=times, **acting.acting(loop, duration)
-    )
-    way, tolerance = float(np.sign(move.distance)), move.settle_to
+    found = _run(loop, trajectory, move, duration, times)
+    figures = {figure: of(found, move, lead) for figure, of in _EXACT.items()}
+    return MoveResponse(name, found, **figures)
+
+
+def exact_figures(
+    loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
+) -> Callable[[str], float]:
+    """Return what gives each figure of a response, without the times of a picture, when asked."""
+    begin, duration = trajectory.start_time, _followed(loop, trajectory, move, poles)
+    found = _run(loop, trajectory, move, duration, np.array([begin, begin + duration]))
+    return lambda figure: _EXACT[figure](found, move, trajectory.duration)
+
+
+def _followed(loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles) -> float:
+    acting = move.disturbances or Disturbances()
+    return followed_until(loop, poles, _decay(move), max(trajectory.duration, acting.until))
+
+
+def _run(
+    loop: ServoLoop, trajectory: Trajectory, move: Move, duration: float, times: FloatArray
+) -> LoopResponse:
+    acting = move.disturbances or Disturbances()
+    return loop.respond(trajectory, duration=duration, times=times, **acting.acting(loop, duration))
+
+
+def _overshoot(found: LoopResponse, move: Move) -> float:
     low, high = load_extremes(found, move.distance, of="position")
-    left = load_extremes(found, after=lead)
-    return MoveResponse(
-        name,
-        found,
-        settling_time_s=found.settling_time(move.distance, tolerance, of="position"),
-        peak_error=found.peak_error,
-        peak_torque=peak_torque(found),
-        overshoot=max(high if way > 0.0 else -low, 0.0),
-        load_settling_time_s=found.settling_time(move.distance, tolerance, of="load"),
-        peak_load_error=found.peak_load_error,
-        left_over=max(left[1], -left[0]),
-        saturated_time_s=found.saturated_time if loop.axis.torque_limit < inf else 0.0,
-        next_breakaway_s=nan if loop.axis.friction is None else found.next_breakaway,
-    )
+    return max(high if move.distance > 0.0 else -low, 0.0)
+
+
+def _left_over(found: LoopResponse, lead: float) -> float:
+    low, high = load_extremes(found, after=lead)
+    return max(high, -low)
+
+
+def _settling(found: LoopResponse, move: Move, of: Literal["position", "load"]) -> float:
+    return found.settling_time(move.distance, move.settle_to, of=of)
+
+
+def _saturated_time(found: LoopResponse) -> float:
+    return found.saturated_time if found.run.scene.axis.torque_limit < inf else 0.0
+
+
+def _next_breakaway(found: LoopResponse) -> float:
+    return nan if found.run.scene.axis.friction is None else found.next_breakaway
+
+
+_EXACT: Mapping[str, Callable[[LoopResponse, Move, float], float]] = {
+    "settling_time_s": lambda found, move, _: _settling(found, move, "position"),
+    "peak_error": lambda found, *_: found.peak_error,
+    "peak_torque": lambda found, *_: peak_torque(found),
+    "overshoot": lambda found, move, _: _overshoot(found, move),
+    "load_settling_time_s": lambda found, move, _: _settling(found, move, "load"),
+    "peak_load_error": lambda found, *_: found.peak_load_error,
+    "left_over": lambda found, _, lead: _left_over(found, lead),
+    "saturated_time_s": lambda found, *_: _saturated_time(found),
+    "next_breakaway_s": lambda found, *_: _next_breakaway(found),
+}
+"""Figures of an exact response to a move, of the response, the move and the command's length."""
 
 
 def _decay(move: Move) -> float:
