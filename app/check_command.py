@@ -29,6 +29,8 @@ OVERRIDES = Annotated[
     ),
 ]
 
+AS_JSON = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, no tables.")]
+
 
 class CheckFormat(StrEnum):
     """What `jounce check` prints."""
@@ -79,6 +81,7 @@ def check_command(
     everything: Annotated[
         bool, typer.Option("--all", help="Show what stayed the same, too.")
     ] = False,
+    as_json: AS_JSON = False,
 ) -> None:
     """Compare loops' margins and moves with stored numbers and bounds; status 1 if worse.
 
@@ -108,9 +111,13 @@ def check_command(
         if output is CheckFormat.GITHUB:
             print_parts(github_error(message_of(error)))
         raise
-    for outcome in outcomes:
-        _print(outcome, output, everything=everything, several=len(outcomes) > 1)
-    print_parts(*[tally(outcomes)] * (len(outcomes) > 1), *(f"Wrote {path}" for path in written))
+    if as_json:
+        _print_json(outcomes)
+    else:
+        for outcome in outcomes:
+            _print(outcome, output, everything=everything, several=len(outcomes) > 1)
+        told = [tally(outcomes)] * (len(outcomes) > 1)
+        print_parts(*told, *(f"Wrote {path}" for path in written))
     if any(isinstance(outcome, BadInput) for outcome in outcomes):
         raise typer.Exit(BAD_INPUT)
     if not all(outcome.passed for outcome in outcomes if not isinstance(outcome, BadInput)):
@@ -183,6 +190,20 @@ def _junit_writer(outcomes: Outcomes, files: _Files) -> dict[Path, Callable[[Pat
         raise ValueError(f"--junit {junit}: is a file that is read; name another one")
     text = junit_text(*outcomes).encode("utf-8")
     return {junit: lambda draft: draft.write_bytes(text)}
+
+
+def _print_json(outcomes: Outcomes) -> None:
+    from .gate.ci_reports import BadInput
+    from .json_output import print_json, report_data
+
+    print_json(
+        [
+            {"scenario": str(each.path), "passed": False, "bad_input": each.message}
+            if isinstance(each, BadInput)
+            else report_data(each)
+            for each in outcomes
+        ]
+    )
 
 
 def _print(

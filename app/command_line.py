@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .check_command import CHECK_FAILED, OVERRIDES, check_command
+from .check_command import AS_JSON, CHECK_FAILED, OVERRIDES, check_command
 from .explore_command import explore_command
 from .export_commands import export_app
 from .fmu_commands import fmu_app
@@ -23,6 +23,7 @@ from .usage import USAGE_ERRORS, unknown_option, usage_message
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ..shaping import Certificate
     from ..shaping.plain_moves import Method
     from .plan import Plan
     from .scenario_survey import ScenarioSurvey
@@ -104,6 +105,7 @@ def survey_command(
         bool, typer.Option("--pdf", help="With --output: the pictures as PDF, too.")
     ] = False,
     overrides: OVERRIDES = None,
+    as_json: AS_JSON = False,
 ) -> None:
     """Print a loop's margins, design check and moves; with --output write them with a picture."""
     from .overrides import read_overrides
@@ -115,6 +117,12 @@ def survey_command(
         raise ValueError(f"{asked} without --output: name the folder that pictures go to")
     found = survey_file(scenario, overrides=read_overrides(overrides or ()))
     written = [] if output is None else [_write_survey(found, output, details=details, pdf=pdf)]
+    if as_json:
+        from .json_output import print_json
+        from .survey_data import survey_data
+
+        print_json(survey_data(found))
+        return
     given = [f"with {text}" for text in found.scenario.overrides]
     print_parts(found.scenario.title, *given, *survey_tables(found))
     print_parts(*found.notes)
@@ -207,6 +215,7 @@ def plan_command(
     plot: Annotated[
         Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
     ] = None,
+    as_json: AS_JSON = False,
 ) -> None:
     """Plan the fastest move between rests: its duration, its peaks and what limits them.
 
@@ -236,18 +245,28 @@ def plan_command(
             distance, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
         )
     proofs: list[Table | str] = []
-    if certify:
-        from ..shaping import certify as prove
-
-        proofs.append(certificate_table(plan, prove(plan.trajectory, plan.limits)))
+    certificate = _certificate(plan) if certify else None
+    if certificate is not None:
+        proofs.append(certificate_table(plan, certificate))
     elif closed_form:
         proofs.append(excess_text(plan))
     if csv is not None or plot is not None:
         _write_plan(plan, csv, plot)
+    if as_json:
+        from .json_output import plan_data, print_json
+
+        print_json(plan_data(plan, certificate))
+        return
     print_parts(*plan_tables(plan, pieces=pieces), *proofs, *plan.remarks)
     for path in (csv, plot):
         if path is not None:
             print_parts(f"Wrote {path}")
+
+
+def _certificate(plan: Plan) -> Certificate:
+    from ..shaping import certify
+
+    return certify(plan.trajectory, plan.limits)
 
 
 def _refuse_extra(words: list[str], context: typer.Context) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from .check_command import AS_JSON
 from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
 from .fmu_run import run_command
 
@@ -105,6 +106,7 @@ def inspect_command(
     max_size: Annotated[
         str | None, typer.Option(help="What the file may unpack to, such as '4 GB'.")
     ] = None,
+    as_json: AS_JSON = False,
 ) -> None:
     """Print what an FMU or SSP says of itself; nothing of it is run or unpacked for good."""
     from ..fmu.cosimulation.load_ssp import inspect_ssp
@@ -114,10 +116,14 @@ def inspect_command(
 
     check_readable(file)
     limit = None if max_size is None else size_in_bytes("--max-size", max_size)
-    if is_ssp(file):
-        print_parts(*ssp_tables(inspect_ssp(file, max_unpacked_bytes=limit)))
-    else:
-        print_parts(*fmu_tables(inspect_fmu(file, max_unpacked_bytes=limit), local=local))
+    inspect: Callable[..., Any] = inspect_ssp if is_ssp(file) else inspect_fmu
+    found = inspect(file, max_unpacked_bytes=limit)
+    if as_json:
+        from .json_output import print_json
+
+        print_json(found)
+        return
+    print_parts(*(ssp_tables(found) if is_ssp(file) else fmu_tables(found, local=local)))
 
 
 fmu_app.command("run")(run_command)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .json_output import print_json
 from .printing import print_parts
 from .tables import plain_table
 
@@ -49,7 +49,7 @@ def sweep_command(
             client.close()
     files = _write(found, output)
     if as_json:
-        print_parts(json.dumps(_answers(found), indent=2))
+        print_json(_answers(found))
         return
     print_parts(*_told(found), f"Wrote {', '.join(sorted(files))} to {output}")
 
