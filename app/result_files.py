@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.sampling import thinned
+from .measured_report import measured_data
+from .scenario_measured import MeasuredScenarioSurvey
 from .survey_data import survey_data
 
 if TYPE_CHECKING:
@@ -38,7 +40,7 @@ _CSV_ROWS = 4_000
 _LONGEST_NAME = 40
 
 
-def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
+def write_survey(survey: ScenarioSurvey | MeasuredScenarioSurvey, folder: Path) -> list[Path]:
     """Write survey.json, CSV responses and the picture of a survey into a folder.
 
     Parameters
@@ -53,7 +55,8 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
         The files: survey.json, survey.png, survey.pdf, step.csv, one move_*.csv per move (each
         with at most 4000 of the samples that the figures in survey.json are taken from); of a
         loop that is not ideal details.png and details.pdf, too, and of what was asked for
-        disturbance.csv and one tracking_*.csv per command.
+        disturbance.csv and one tracking_*.csv per command. Of a measured loop survey.json and its
+        picture.
 
     Raises
     ------
@@ -65,9 +68,10 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
     from ..plots.survey import plot_survey
     from ..plots.survey_details import plot_survey_details
 
+    if isinstance(survey, MeasuredScenarioSurvey):
+        return _write_measured(survey, folder)
     with _all_or_nothing(folder) as draft:
-        text = json.dumps(survey_data(survey), indent=2, ensure_ascii=False, allow_nan=False)
-        (draft / "survey.json").write_text(text + "\n", encoding="utf-8")
+        _write_json(survey_data(survey), draft / "survey.json")
         step = survey.step
         _write_csv(draft / "step.csv", ["time_s", "position"], [step.time, step.position])
         for i, move in enumerate(survey.moves, start=1):
@@ -76,11 +80,32 @@ def write_survey(survey: ScenarioSurvey, folder: Path) -> list[Path]:
         pages = {"survey": plot_survey(survey, figure=Figure())}  # without pyplot and a display
         if not survey.is_ideal:
             pages["details"] = plot_survey_details(survey, figure=Figure())
-        for name, figure in pages.items():
-            save_figure(figure, draft / f"{name}.png")
-            save_figure(figure, draft / f"{name}.pdf")
-        names = sorted(path.name for path in draft.iterdir())
+        names = _write_pages(pages, draft)
     return [folder / name for name in names]
+
+
+def _write_measured(survey: MeasuredScenarioSurvey, folder: Path) -> list[Path]:
+    from matplotlib.figure import Figure
+
+    from ..plots.measured import plot_measured_survey
+
+    with _all_or_nothing(folder) as draft:
+        _write_json(measured_data(survey), draft / "survey.json")
+        names = _write_pages({"survey": plot_measured_survey(survey, figure=Figure())}, draft)
+    return [folder / name for name in names]
+
+
+def _write_json(data: Mapping[str, object], path: Path) -> None:
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _write_pages(pages: Mapping[str, Figure], draft: Path) -> list[str]:
+    """Save figures as PNG and PDF; return the names of all files that are there."""
+    for name, figure in pages.items():
+        save_figure(figure, draft / f"{name}.png")
+        save_figure(figure, draft / f"{name}.pdf")
+    return sorted(path.name for path in draft.iterdir())
 
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[float]]) -> None:

@@ -22,6 +22,7 @@ from ..analysis.log_conformance import Conformance
 from ..analysis.loop_survey import Survey
 from ..analysis.margins import ManyMargins
 from ..analysis.measured import MeasuredResponse
+from ..analysis.measured_survey import MeasuredSurvey
 from ..analysis.sweep_result import SweepResult
 from ..fmu.cosimulation.cosimulation_result import CosimulationResult
 from ..plant import LoopResponse
@@ -43,7 +44,7 @@ from .frequency_view import (
 from .limit_tuning import plot_tuned_limits
 from .loop_response import plot_loop_response
 from .margin_contours import plot_margin_contours
-from .measured import plot_measured_response
+from .measured import plot_measured_response, plot_measured_survey
 from .motions import plot_following, plot_trajectory
 from .paths import plot_synchronized, plot_tour
 from .survey import plot_survey
@@ -113,6 +114,7 @@ _PANELS: dict[type, Picture] = {
     CosimulationResult: plot_cosimulation,
     TunedLimits: plot_tuned_limits,
     MeasuredResponse: plot_measured_response,
+    MeasuredSurvey: plot_measured_survey,
     SweepResult: plot_sweep,
 }
 _SINGLE: dict[type, Picture] = {
