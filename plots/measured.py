@@ -128,6 +128,7 @@ def _mark_margins(margins: MeasuredMargins, gain: Axes, phase: Axes) -> None:
             xytext=(6, 8),
             textcoords="offset points",
             color=ORANGE,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
         )
     for name in ("lower", "upper"):
         value = getattr(margins, f"{name}_gain_margin_db")

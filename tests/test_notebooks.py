@@ -47,6 +47,7 @@ FIGURES = {
     "08_telescope_azimuth": (4.37922, 1.49541, 1.629, 45.0, 184.38),
     "09_wafer_stage": (95.31, 83.872, 0.869, 603.2, 6.313e9),
     "10_gantry_crane": (70.61, 15.22, 28.54, 16.90, 2001.7, 30.30),
+    "12_measure_shape_check_ship": (42.935, 17.457, 1.8, 1.298e6, 12.0, 78.0),
 }
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 RUN = [path for path in NOTEBOOKS if SLOW or path.stem[:2] in ("01", "10")]
