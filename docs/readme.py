@@ -125,6 +125,7 @@ def benchmarks() -> str:
         "response",
         "loops",
         "margins",
+        "measured",
         "fmu",
         "startup",
     ):
