@@ -99,6 +99,12 @@ def measured_survey(
     ValueError
         As `measured_margins` does.
     """
+    for asked in requirements:
+        if asked.name not in OF_MARGINS:
+            raise ValueError(
+                f"requirement {asked.name!r}: a measured loop has margins alone, "
+                f"{', '.join(OF_MARGINS)}; fit an axis by analysis.fit_axis for the rest"
+            )
     margins = measured_margins(measured, controller)
     if margins.stable is False:
         reason = margins.reasons[0].removeprefix("unstable: ")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from ..analysis.loop_survey import UnstableLoopError
 from ..analysis.measured import MeasuredResponse, read_frf
 from ..analysis.measured_survey import MeasuredSurvey, measured_survey
-from ..analysis.specification import Labels
+from ..analysis.specification import Labels, Requirement
 from .scenario import Scenario
 from .scenario_loop import controller_of
 
@@ -34,15 +35,20 @@ def measured_loop_of(scenario: Scenario) -> tuple[MeasuredResponse, Any]:
     return measured, controller_of(scenario, measured)
 
 
-def survey_measured(scenario: Scenario) -> MeasuredScenarioSurvey:
-    """Survey the measured loop that a scenario describes; errors name its file."""
+def survey_measured(
+    scenario: Scenario, requirements: Sequence[Requirement] | None = None
+) -> MeasuredScenarioSurvey:
+    """Survey the measured loop that a scenario describes, by its own requirements or others.
+
+    Errors name its file.
+    """
     measured, controller = measured_loop_of(scenario)
     shown = scenario.motion, scenario.position_unit, scenario.position_scale
     try:
         found = measured_survey(
             measured,
             controller,
-            requirements=scenario.requirements,
+            requirements=scenario.requirements if requirements is None else requirements,
             labels=Labels(scenario.title, *shown),
         )
     except ValueError as error:

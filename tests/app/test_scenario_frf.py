@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command_lines import refused
 
-from jounce.app import load_scenario, survey_file
+from jounce.app import load_scenario, survey_file, sweep
 
 LINES = np.geomspace(0.5, 60.0, 80)
 J, TAU = 2.0, 4e-3
@@ -238,3 +238,17 @@ def test_what_does_not_go_together_is_one_line(measured, run, tmp_path, old, new
 def test_gains_have_to_go_with_what_was_measured(measured, run, tmp_path, text, told):
     line = refused(run, tmp_path, "survey", measured(text), "-o", tmp_path / "out")
     assert told in line
+
+
+def test_a_sweep_takes_gains_and_measurements(measured):
+    path = measured()
+    (path.parent / "tuesday.csv").write_bytes((path.parent / "axis.csv").read_bytes())
+    keys = {
+        "controller.gains.kp": ["500 N/m", "800 N/m"],
+        "plant.frf.file": ["axis.csv", "tuesday.csv"],
+    }
+    found = sweep(path, keys, figures=["phase_margin"], workers=1).values("phase_margin")
+    assert found[2] == found[3] == survey_file(path).margins.phase_margin_deg
+    assert found[0] == found[1] != found[2]
+    alone = sweep(path, keys, figures=["load_settling"], workers=1)
+    assert "has margins alone" in alone.dataset["failure"].values[0]
