@@ -128,13 +128,7 @@ class Survey(Told):
     @property
     def unmet(self) -> tuple[str, ...]:
         """A sentence on each requirement that is not met."""
-        lines = []
-        for check in self.requirements:
-            asked, achieved, verdict = check.shown(self.labels)
-            if not check.met:
-                name = check.requirement.name
-                lines.append(f"Required {name} {asked} is {achieved}: {verdict}.")
-        return tuple(lines)
+        return tuple(check.sentence(self.labels) for check in self.requirements if not check.met)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import Any
 from .disturbed import total_of
 from .specification import OF_MOVES, Labels, Requirement
 
-_MARGINS = {
+OF_MARGINS = {
     "crossover": "crossover_hz",
     "bandwidth": "bandwidth_hz",
     "phase_margin": "phase_margin_deg",
@@ -22,6 +22,7 @@ _MARGINS = {
     "sensitivity_peak": "sensitivity_peak",
     "complementary_peak": "complementary_peak",
 }
+"""Figures of the margins alone, with the names of their fields."""
 _OF_RESPONSES = {
     "settling": "settling_time_s",
     "load_settling": "load_settling_time_s",
@@ -74,6 +75,11 @@ class RequirementCheck:
         by = f" by {self.missed_by / scale:.3g} {unit}".rstrip() if finite else ""
         return f"{', '.join(asked)} {unit}".strip(), achieved, "met" if self.met else f"missed{by}"
 
+    def sentence(self, labels: Labels) -> str:
+        """Return the check as a sentence."""
+        asked, achieved, verdict = self.shown(labels)
+        return f"Required {self.requirement.name} {asked} is {achieved}: {verdict}."
+
 
 def requirement_checks(
     survey: Any, requirements: Sequence[Requirement]
@@ -108,8 +114,8 @@ def figure_of(survey: Any, asked: Requirement) -> float:
         raise ValueError(
             f"requirement {asked.name!r}: {name} is a figure of the whole loop; write {name!r}"
         )
-    if name in _MARGINS:
-        return float(getattr(survey.margins, _MARGINS[name]))
+    if name in OF_MARGINS:
+        return float(getattr(survey.margins, OF_MARGINS[name]))
     value = _OTHERS[name](survey)
     if value is None:
         raise _no_such(asked)

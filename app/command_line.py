@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..shaping import Certificate
     from ..shaping.plain_moves import Method
     from .plan import Plan
+    from .scenario_measured import MeasuredScenarioSurvey
     from .scenario_survey import ScenarioSurvey
 
 BAD_INPUT = 2
@@ -119,9 +120,9 @@ def survey_command(
     written = [] if output is None else [_write_survey(found, output, details=details, pdf=pdf)]
     if as_json:
         from .json_output import print_json
-        from .survey_data import survey_data
+        from .result_files import data_of
 
-        print_json(survey_data(found))
+        print_json(data_of(found))
         return
     given = [f"with {text}" for text in found.scenario.overrides]
     print_parts(found.scenario.title, *given, *survey_tables(found))
@@ -130,7 +131,9 @@ def survey_command(
     print_parts(*written)
 
 
-def _write_survey(found: ScenarioSurvey, output: Path, *, details: bool, pdf: bool) -> str:
+def _write_survey(
+    found: ScenarioSurvey | MeasuredScenarioSurvey, output: Path, *, details: bool, pdf: bool
+) -> str:
     from .result_files import write_survey
 
     files = write_survey(found, output, details=details, pdf=pdf)

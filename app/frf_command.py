@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +11,7 @@ import typer
 from .printing import print_parts
 
 if TYPE_CHECKING:
-    from ..analysis.measured import MeasuredMargins, MeasuredResponse
+    from ..analysis.measured import MeasuredResponse
 
 UNSTABLE = 1
 
@@ -56,6 +55,7 @@ def frf_command(
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
     from ..analysis.measured import measured_margins, read_frf
     from .fmu_options import seconds
+    from .measured_report import margins_report
     from .option_numbers import whole_number
     from .result_files import check_picture
 
@@ -82,7 +82,8 @@ def frf_command(
     if as_json:
         print(json.dumps(margins.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        print_parts(*_report(measured, margins))
+        print_parts(*margins_report(measured, margins))
+        print_parts(*(f"note: {warning}" for warning in margins.warnings))
     _draw(measured, law, plot, quiet=as_json)
     if margins.stable is False:
         raise typer.Exit(UNSTABLE)
@@ -91,33 +92,12 @@ def frf_command(
 def _controller_of(path: Path) -> Any:
     from .scenario import load_scenario
     from .scenario_loop import servo_loop_of
+    from .scenario_measured import measured_loop_of
 
-    return servo_loop_of(load_scenario(path)).controller
-
-
-def _report(measured: MeasuredResponse, margins: MeasuredMargins) -> list[Any]:
-    from .tables import plain_table
-
-    table = plain_table(repr(measured), "margin", "value", "sigma", "at worst", "at [Hz]")
-    for name, value, sigma, worst, unit, place in margins.rows():
-        cells = (_shown(number) for number in (value, sigma, worst, place))
-        table.add_row(f"{name} [{unit}]" if unit else name, *cells)
-    crossovers = [
-        f"{hz:.5g} ± {sigma:.2g}"
-        for hz, sigma in zip(margins.crossovers_hz, margins.crossovers_hz_sigma, strict=True)
-    ]
-    verdict = {True: "stable", False: "UNSTABLE", None: "STABILITY CANNOT BE TOLD"}
-    return [
-        table,
-        f"gain crossovers [Hz]: {', '.join(crossovers) or 'none'}",
-        verdict[margins.stable],
-        *(f"  {reason}" for reason in margins.reasons),
-        *(f"note: {warning}" for warning in margins.warnings),
-    ]
-
-
-def _shown(value: float) -> str:
-    return "–" if isnan(value) else f"{value:.4g}"
+    scenario = load_scenario(path)
+    if scenario.body == "frf":
+        return measured_loop_of(scenario)[1]
+    return servo_loop_of(scenario).controller
 
 
 def _plant_text(measured: MeasuredResponse, *, as_json: bool) -> str:

@@ -12,11 +12,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from errno import EISDIR
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..analysis.sampling import thinned
+from .measured_report import measured_data
+from .scenario_measured import MeasuredScenarioSurvey
 from .survey_data import survey_data
 
 if TYPE_CHECKING:
@@ -39,7 +41,11 @@ _LONGEST_NAME = 40
 
 
 def write_survey(
-    survey: ScenarioSurvey, folder: Path, *, details: bool = False, pdf: bool = False
+    survey: ScenarioSurvey | MeasuredScenarioSurvey,
+    folder: Path,
+    *,
+    details: bool = False,
+    pdf: bool = False,
 ) -> list[Path]:
     """Write survey.json, CSV responses and the picture of a survey into a folder.
 
@@ -58,7 +64,8 @@ def write_survey(
     list of Path
         The files: survey.json, survey.png, step.csv, one move_*.csv per move (each with at most
         4000 of the samples that the figures in survey.json are taken from), and of what was asked
-        for disturbance.csv, one tracking_*.csv per command, details.png and PDFs.
+        for disturbance.csv, one tracking_*.csv per command, details.png and PDFs. Of a measured
+        loop survey.json and its picture.
 
     Raises
     ------
@@ -69,9 +76,10 @@ def write_survey(
 
     from ..plots.survey import plot_survey
 
+    if isinstance(survey, MeasuredScenarioSurvey):
+        return _write_measured(survey, folder, pdf=pdf)
     with _all_or_nothing(folder) as draft:
-        text = json.dumps(survey_data(survey), indent=2, ensure_ascii=False, allow_nan=False)
-        (draft / "survey.json").write_text(text + "\n", encoding="utf-8")
+        _write_json(data_of(survey), draft / "survey.json")
         step = survey.step
         _write_csv(draft / "step.csv", ["time_s", "position"], [step.time, step.position])
         for i, move in enumerate(survey.moves, start=1):
@@ -82,11 +90,40 @@ def write_survey(
             from ..plots.survey_details import plot_survey_details
 
             pages["details"] = plot_survey_details(survey, figure=Figure())
-        for name, figure in pages.items():
-            for suffix in (".png", ".pdf")[: 1 + pdf]:
-                save_figure(figure, draft / f"{name}{suffix}")
-        names = sorted(path.name for path in draft.iterdir())
+        names = _write_pages(pages, draft, pdf=pdf)
     return [folder / name for name in names]
+
+
+def data_of(survey: ScenarioSurvey | MeasuredScenarioSurvey) -> dict[str, Any]:
+    """Return every number of a survey, of a model or of a measurement, as plain data."""
+    if isinstance(survey, MeasuredScenarioSurvey):
+        return measured_data(survey)
+    return survey_data(survey)
+
+
+def _write_measured(survey: MeasuredScenarioSurvey, folder: Path, *, pdf: bool) -> list[Path]:
+    from matplotlib.figure import Figure
+
+    from ..plots.measured import plot_measured_survey
+
+    with _all_or_nothing(folder) as draft:
+        _write_json(data_of(survey), draft / "survey.json")
+        pages = {"survey": plot_measured_survey(survey, figure=Figure())}
+        names = _write_pages(pages, draft, pdf=pdf)
+    return [folder / name for name in names]
+
+
+def _write_json(data: Mapping[str, object], path: Path) -> None:
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _write_pages(pages: Mapping[str, Figure], draft: Path, *, pdf: bool) -> list[str]:
+    """Save figures as PNG, and as PDF; return the names of all files that are there."""
+    for name, figure in pages.items():
+        for suffix in (".png", ".pdf")[: 1 + pdf]:
+            save_figure(figure, draft / f"{name}{suffix}")
+    return sorted(path.name for path in draft.iterdir())
 
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[float]]) -> None:

@@ -31,6 +31,7 @@ from .scenario_formats import (
     Gains,
     MoveSection,
 )
+from .scenario_frf import check_measured
 from .scenario_messages import Place, lines_of, what_to_write
 from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
 from .scenario_shapers import shapers_of
@@ -76,9 +77,9 @@ class Scenario(Told, Frozen):
         gives the moves with it.
     inertia : float
         The plant's, in kg m² or kg.
-    body : {"inertia", "mass", "chain", "transfer"}
+    body : {"inertia", "mass", "chain", "transfer", "frf"}
         The key that says what moves.
-    gains : {"design", "published", "tune"}, Gains or CascadeSection
+    gains : {"design", "published", "tune", "measured"}, Gains or CascadeSection
         The controller's gains, or how they are found.
     specification : Specification or None
         Always given where gains is "design".
@@ -89,7 +90,8 @@ class Scenario(Told, Frozen):
     filter : FilterSection or None
         The filter behind the shaper.
     moves : tuple of Move
-        At least one, where there is neither tracking nor a torque that goes on.
+        At least one, where there is neither tracking nor a torque that goes on; none of a measured
+        plant.
     modes : tuple of Mode
         What the moves must not leave ringing.
     overrides : tuple of str
@@ -248,6 +250,8 @@ def _scenario(
     content: dict[str, Any],
     overrides: tuple[str, ...],
 ) -> Scenario:
+    if isinstance(checked, FileOf2):
+        check_measured(checked)
     if not checked.moves and isinstance(checked, FileOf2) and not _is_held(checked):
         raise ValueError(
             f"moves: is missing; write {what_to_write('moves')}, or [[tracking]] for a command "
@@ -276,9 +280,10 @@ def _scenario(
 
 
 def _is_held(checked: FileOf2) -> bool:
-    """Whether there is something for the loop to do besides moves."""
+    """Whether there is something for the loop to do besides moves, or no time to do it in."""
     torques = (checked.disturbances.torque_sine, checked.disturbances.torque_file)
-    return bool(checked.tracking) or any(each is not None for each in torques)
+    held = bool(checked.tracking) or any(each is not None for each in torques)
+    return held or checked.plant.frf is not None
 
 
 def _position_unit(content: dict[str, Any], context: Context) -> str:
@@ -299,7 +304,7 @@ def _gains(gains: Any) -> GainRule | Gains | CascadeSection:
 
 
 def _inertia(checked: File | FileOf2) -> float:
-    """Return the inertia of all that moves; nan of a plant given as a transfer function."""
+    """Return the inertia of all that moves; nan of one given by its response."""
     if isinstance(checked, File):
         return checked.plant.inertia
     plant = checked.plant

@@ -18,10 +18,11 @@ from ..fmu import (
     export_fmu,
 )
 from ..fmu.exporting.servo_block import check_bare_pid
-from ..plant import ServoLoop
+from ..plant import Controller, as_controller
 from ..shaping import CommandFollower, Limits, Trajectory
 from .scenario import Scenario
 from .scenario_loop import jerk_filter_of, servo_loop_of
+from .scenario_measured import measured_loop_of
 
 if TYPE_CHECKING:
     from ..fmu.exporting.ssp import SspExport
@@ -88,7 +89,7 @@ def export_block(
             platforms=platforms,
             unit=unit,
         )
-        return replace(made, notes=(*notes, *_own_time(loop, dt), *made.notes))
+        return replace(made, notes=(*notes, *_own_time(loop.controller_noun, dt), *made.notes))
     source, told = _source(scenario, block, dt, move)
     alone = export_fmu(source, path, fmi_version=fmi_version, platforms=platforms, unit=unit)
     return replace(alone, notes=(*notes, *told, *alone.notes))
@@ -158,10 +159,12 @@ def _source(
         if found is None:
             raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
         return found, ()
+    if scenario.body == "frf" and block == "controller":
+        return _controller_on_data(scenario, dt)
     loop = servo_loop_of(scenario)
     if block == "plant":
         return loop.plant, ()
-    told = _own_time(loop, dt)
+    told = _own_time(loop.controller_noun, dt)
     if block == "servo":
         running, behind = None if loop.is_digital else dt, jerk_filter_of(scenario)
         return SampledLoop(trajectory_of(scenario, move), loop, running, behind), told
@@ -171,9 +174,26 @@ def _source(
     return SampledController(loop.controller_noun.law, dt, loop.feedforward), told  # type: ignore[arg-type]
 
 
-def _own_time(loop: ServoLoop, dt: float) -> tuple[str, ...]:
+def _controller_on_data(scenario: Scenario, dt: float) -> tuple[Any, tuple[str, ...]]:
+    """Return the digital controller of a measured plant, without feedforward and limit."""
+    controller = measured_loop_of(scenario)[1]
+    if controller is None:
+        raise ValueError(
+            f"{scenario.path}: controller.gains: 'measured' is known by its response alone; write "
+            "the gains as a table { kp, ki, kr } beside a measured plant"
+        )
+    noun = as_controller(controller)
+    if noun.sample_time is None:
+        raise ValueError(
+            f"{scenario.path}: controller: is continuous, and code runs in samples; write "
+            'sample_time = "1 ms", that of the measured records'
+        )
+    return DigitalController(noun), _own_time(noun, dt)
+
+
+def _own_time(controller: Controller, dt: float) -> tuple[str, ...]:
     """Return what is to be said where a controller's own sample time is another than asked for."""
-    own = loop.controller_noun.sample_time
+    own = controller.sample_time
     if own is None or own == dt:
         return ()
     return (

@@ -35,6 +35,7 @@ INERTIA_KINDS: dict[Motion, tuple[Kind, ...]] = {
     ),
     "length": (positive_kind("a positive mass for linear moves", "1 kg"),),
 }
+_STIFFNESS: dict[Motion, str] = {"angle": "N m/rad", "length": "N/m"}
 _NUMBER = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _PER_SECOND = re.compile(r"^\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*1?\s*/\s*s\s*$")
 
@@ -114,6 +115,12 @@ def _votes(content: dict[str, Any]) -> Iterator[Motion]:
         yield parse_motion(plant.get("encoder_step"), 0)[1]
     if "encoder_counts" in plant:
         yield "angle"
+    if "frf" in plant:  # which has no unit of its own
+        kp = _table(_table(content, "controller"), "gains").get("kp")
+        for motion, unit in _STIFFNESS.items():
+            with suppress(UnitError):
+                parse_quantity(kp, positive_kind("a gain", f"1 {unit}"))
+                yield motion
     for move in moves if isinstance(moves, list) else ():
         for key in ("distance", "settle_to") if isinstance(move, dict) else ():
             with suppress(UnitError):

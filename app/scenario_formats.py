@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
@@ -24,7 +24,7 @@ from .scenario_requirements import REQUIREMENTS
 from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
 from .units import FREQUENCY
 
-GainRule = Literal["design", "published", "tune"]
+GainRule = Literal["design", "published", "tune", "measured"]
 _NOT_EMPTY = Field(json_schema_extra={"minItems": 1})  # which checks.listed holds
 _DESIGN: Any = "design"  # a word in place of the table that pydantic is told of
 
@@ -137,8 +137,11 @@ class PlantOf2(PlantSection):
         if len(given) != 1:
             raise ValueError(
                 f"has {' and '.join(given) or 'nothing to move'}; write one of "
-                'inertia = "1 kg m^2", mass = "1 kg", [plant.chain], [plant.transfer]'
+                'inertia = "1 kg m^2", mass = "1 kg", [plant.chain], [plant.transfer], '
+                'frf = "axis.csv"'
             )
+        if self.frf is not None:
+            _check_alone(self)
         if given[0] in ("chain", "transfer") and self.modes:
             raise ValueError(f"has modes beside a {given[0]}, which has its own; keep one of them")
 
@@ -149,8 +152,22 @@ class PlantOf2(PlantSection):
 
     @property
     def _bodies(self) -> list[str]:
-        keys = ("inertia", "mass", "chain", "transfer")
+        keys = ("inertia", "mass", "chain", "transfer", "frf")
         return [name for name in keys if getattr(self, name) is not None]
+
+
+def _check_alone(plant: PlantOf2) -> None:
+    """Refuse what else is said of a plant that was measured."""
+    beside = [
+        field.name
+        for field in fields(plant)
+        if field.name != "frf" and getattr(plant, field.name) != field.default
+    ]
+    if beside:
+        raise ValueError(
+            f"has {', '.join(beside)} beside frf, which has everything of the plant in it; keep "
+            "one of them"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +178,7 @@ class ControllerOf2(ControllerSection):
         PidSection | CascadeSection,
         Field(discriminator="kind"),
         BeforeValidator(checks.kind_of_gains),
-        OrWord(("design", "published", "tune"), what_to_write("controller", "gains")),
+        OrWord(("design", "published", "tune", "measured"), what_to_write("controller", "gains")),
     ] = _DESIGN
     specification: Annotated[_Specified, Field(validate_default=True)] = None
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
+from ..analysis.measured import MeasuredResponse
 from ..analysis.tuning import tune_pid
 from ..plant import (
     PID,
@@ -31,6 +32,7 @@ from ..plant.pid import printed_pid
 from ..shaping import JerkFilter
 from .scenario import Gains, Scenario
 from .scenario_axis import plant_of
+from .scenario_frf import TIME_RESPONSE
 from .scenario_sections import (
     BackCalculationSection,
     CascadeSection,
@@ -58,6 +60,8 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
         For an axis that cannot hold its load, a filter above the Nyquist frequency, a
         specification out of reach, or an axis without exact inverse: one line, with the key.
     """
+    if scenario.body == "frf":
+        raise ValueError(f"{scenario.path}: plant.frf: {TIME_RESPONSE}; margins need none of it")
     plant = plant_of(scenario)
     controller = controller_of(scenario, plant)
     with _named(scenario, "feedforward"):
@@ -73,7 +77,9 @@ def _named(scenario: Scenario, key: str) -> Iterator[None]:
         raise ValueError(f"{scenario.path}: {key}: {error}") from None
 
 
-def controller_of(scenario: Scenario, plant: Inertia | Axis) -> PID | CascadedPI | Controller:
+def controller_of(
+    scenario: Scenario, plant: Inertia | Axis | MeasuredResponse
+) -> PID | CascadedPI | Controller:
     """Return the controller that a scenario gives or asks for."""
     if scenario.controller == ControllerSection():
         with _named(scenario, "controller.specification"):
@@ -105,7 +111,7 @@ def _run(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _law(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID | CascadedPI:
+def _law(scenario: Scenario, plant: Any, run: dict[str, Any]) -> PID | CascadedPI:
     gains, filtered = scenario.gains, scenario.controller.derivative_filter
     if isinstance(gains, CascadeSection):
         return _cascade(gains, filtered)
@@ -120,7 +126,7 @@ def _law(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID 
     return _designed(scenario, plant, run)
 
 
-def _designed(scenario: Scenario, plant: Inertia | Axis, run: dict[str, Any]) -> PID:
+def _designed(scenario: Scenario, plant: Any, run: dict[str, Any]) -> PID:
     asked = scenario.specification
     assert asked is not None  # the scenario's own check
     filtered = scenario.controller.derivative_filter

@@ -56,6 +56,14 @@ sensor = "motor"
 constant_load = "1 N m"
 friction = {coulomb = "0.3 N m", static = "0.4 N m"}
 ripple = {period = "1 deg", amplitude = "0.1 N m", positions = ["0 deg"], torques = ["0 N m"]}
+frf.file = "axis.csv"
+frf.kind = "plant"
+frf.output = "position"
+frf.columns = ["Hz", "dB", "deg"]
+frf.frequency_unit = "Hz"
+frf.averages = 20
+frf.integrators = 2
+frf.unstable_poles = 0
 chain = {masses = ["1 kg"], springs = ["1 N/m"], dampers = ["0.1 N s/m"]}
 [plant.transfer]
 numerator = [1.0]

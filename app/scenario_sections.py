@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from . import scenario_kinds as kinds
 from .scenario_checks import GAIN, NAME, listed, whole
+from .scenario_frf import OR_PATH, FrfSection
 from .scenario_keys import OrWord, choice, number, numbers, roots, square
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
@@ -138,6 +139,7 @@ class PlantSection:
     ] = ()
     chain: ChainSection | None = None
     transfer: TransferSection | None = None
+    frf: Annotated[FrfSection | None, OR_PATH] = None
     friction: FrictionSection | None = None
     ripple: RippleSection | None = None
     torque_limit: Annotated[float | None, kinds.torque("positive")] = None

@@ -13,6 +13,7 @@ from ..analysis.unstable_loop import UnstableLoopError
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
 from .scenario_loop import jerk_filter_of, servo_loop_of
+from .scenario_measured import MeasuredScenarioSurvey, survey_measured
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -36,7 +37,7 @@ class ScenarioSurvey(Survey):
 
 def survey_file(
     scenario: Scenario | str | Path, *, overrides: Mapping[str, Any] | None = None
-) -> ScenarioSurvey:
+) -> ScenarioSurvey | MeasuredScenarioSurvey:
     """Survey the servo loop that a scenario file describes.
 
     Parameters
@@ -49,6 +50,7 @@ def survey_file(
     Returns
     -------
     ScenarioSurvey
+        Of a plant that was measured a MeasuredScenarioSurvey: margins alone.
 
     Raises
     ------
@@ -64,6 +66,8 @@ def survey_file(
     Thompson, "Snap, Crackle, and Pop", Section VII.
     """
     scenario = as_scenario(scenario, overrides)
+    if scenario.body == "frf":
+        return survey_measured(scenario)
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
     shown = scenario.motion, scenario.position_unit, scenario.position_scale
     try:

@@ -86,8 +86,8 @@ def _loop_data(survey: ScenarioSurvey) -> dict[str, Any]:
     loop = survey.loop
     if not survey.is_ideal:
         parts = {"plant": loop.plant, "controller": loop.controller}
-        described = {name: _described(part) for name, part in parts.items()}
-        return described | {"feedforward": _described(loop.feedforward)}
+        told = {name: described(part) for name, part in parts.items()}
+        return told | {"feedforward": described(loop.feedforward)}
     controller = loop.controller
     return {
         "plant": {"inertia": loop.plant.J},
@@ -96,7 +96,7 @@ def _loop_data(survey: ScenarioSurvey) -> dict[str, Any]:
     }
 
 
-def _described(value: Any) -> Any:
+def described(value: Any) -> Any:
     """Return a noun as its kind and what of it is not as usual."""
     if is_dataclass(value):
         told = {"kind": type(value).__name__}
@@ -104,12 +104,12 @@ def _described(value: Any) -> Any:
             part = getattr(value, field.name)
             usual = field.default is not MISSING and type(part) is type(field.default)
             if not (usual and part == field.default):
-                told[field.name] = _described(part)
+                told[field.name] = described(part)
         return told
     if isinstance(value, Mapping):
-        return {str(name): _described(part) for name, part in value.items()}
+        return {str(name): described(part) for name, part in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
-        return [_described(part) for part in value]
+        return [described(part) for part in value]
     if isinstance(value, float | np.floating):
         return _number(float(value))
     return value if value is None or isinstance(value, str | int) else type(value).__name__

@@ -11,17 +11,21 @@ from rich.text import Text
 
 from ..analysis.disturbed import total_of
 from ..analysis.margins.result import in_samples, shown_intervals
+from ..analysis.measured_survey import MeasuredSurvey
+from .measured_report import margins_report
 from .tables import WideTable, plain_table
 
 if TYPE_CHECKING:
     from ..analysis.loop_survey import MoveResponse, MoveSurvey, Survey
 
 
-def survey_tables(survey: Survey) -> list[Table | WideTable]:
+def survey_tables(survey: Survey | MeasuredSurvey) -> list[Table | WideTable | str]:
     """Return the tables of a survey: what is required, margins, disturbances, moves."""
-    tables: list[Table | WideTable] = []
+    tables: list[Table | WideTable | str] = []
     if survey.requirements:
         tables.append(_requirements_table(survey))
+    if isinstance(survey, MeasuredSurvey):
+        return [*tables, *margins_report(survey.measured, survey.margins)]
     tables.append(_margins_table(survey))
     if survey.checks:
         tables.append(_design_table(survey))
@@ -58,7 +62,7 @@ def _si(survey: Survey) -> str:
     return "rad" if survey.labels.motion == "angle" else "m"
 
 
-def _requirements_table(survey: Survey) -> Table:
+def _requirements_table(survey: Survey | MeasuredSurvey) -> Table:
     table = plain_table("Requirements", "", "asked", "achieved", "")
     for check in survey.requirements:
         asked, achieved, verdict = check.shown(survey.labels)

@@ -1,4 +1,4 @@
-"""Draw the gallery: Thompson's figures as pictures, and the page that shows them.
+"""Draw the gallery: Thompson's figures and measured loops as pictures, and the page of them.
 
 Run: python docs/gallery.py   (or `make readme`)
 """
@@ -33,11 +33,38 @@ FIGURES[3]().savefig("figure_3.png")
 """
 
 
+MEASURED_LOOPS = """\
+## Measured loops
+
+Simulated measurements, so that the truth is known (`docs/figures/measured.py`); how to read and
+shape one's own: [how-to](how-to/measured.md), or the notebook
+[Measure, shape, check, ship](../notebooks/12_measure_shape_check_ship.ipynb).
+"""
+
+
 def page() -> str:
     """Return the gallery page in Markdown."""
+    from figures.measured import MEASURED
     from figures.paper import FIGURES
 
-    return "\n".join([INTRODUCTION, *(_section(n, draw.__doc__) for n, draw in FIGURES.items())])
+    of_paper = (_section(number, draw.__doc__) for number, draw in FIGURES.items())
+    measured = (_measured_section(name, draw.__doc__) for name, draw in MEASURED.items())
+    return "\n".join([INTRODUCTION, *of_paper, MEASURED_LOOPS, *measured])
+
+
+def _measured_section(name: str, docstring: str | None) -> str:
+    title, text = inspect.cleandoc(docstring or "").split("\n\n", 1)
+    title = title.removeprefix("Draw ").rstrip(".")
+    title = f"{title[0].upper()}{title[1:]}"
+    return f"""\
+### {title}
+
+{text}
+
+`{name}()`.
+
+![{title}](gallery/{name}.png)
+"""
 
 
 def _section(number: int, docstring: str | None) -> str:
@@ -76,11 +103,14 @@ def save(figure: Figure, path: Path) -> None:
 
 def main() -> None:
     """Draw every figure, and write the page."""
+    from figures.measured import MEASURED
     from figures.paper import FIGURES
 
     PICTURES.mkdir(exist_ok=True)
     for number, draw in FIGURES.items():
         save(draw(), PICTURES / picture_name(number))
+    for name, draw in MEASURED.items():
+        save(draw(), PICTURES / f"{name}.png")
     PAGE.write_text(page(), encoding="utf-8")
 
 

@@ -127,6 +127,7 @@ def benchmarks() -> str:
         "loops",
         "margins",
         "explorer",
+        "measured",
         "fmu",
         "startup",
     ):

@@ -22,6 +22,7 @@ _PANELS = {
     "CosimulationResult": "cosimulation.plot_cosimulation",
     "TunedLimits": "limit_tuning.plot_tuned_limits",
     "MeasuredResponse": "measured.plot_measured_response",
+    "MeasuredSurvey": "measured.plot_measured_survey",
     "SweepResult": "sweep.plot_sweep",
     "DescribingFunction": "describing_functions.plot_describing_function",
 }

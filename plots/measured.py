@@ -9,7 +9,8 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle
 
 from ..analysis.measured import MeasuredResponse, closed_responses, measured_margins, open_loop
-from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure
+from ..analysis.measured_survey import MeasuredSurvey
+from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,6 +54,13 @@ def plot_measured_response(
     plot_measured_nyquist(loop, margins, ax=nyquist)
     _closed(closed_responses(measured, controller), closed)
     return figure
+
+
+def plot_measured_survey(survey: MeasuredSurvey, *, figure: Figure | None = None) -> Figure:
+    """Draw the survey of a measured loop: L with its margins, Nyquist, S and T, under its title."""
+    drawn = plot_measured_response(survey.measured, controller=survey.controller, figure=figure)
+    drawn.suptitle(plain(survey.labels.title), fontsize=15)
+    return drawn
 
 
 def plot_measured_nyquist(loop: MeasuredResponse, margins: MeasuredMargins, *, ax: Axes) -> Axes:
@@ -120,6 +128,7 @@ def _mark_margins(margins: MeasuredMargins, gain: Axes, phase: Axes) -> None:
             xytext=(6, 8),
             textcoords="offset points",
             color=ORANGE,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
         )
     for name in ("lower", "upper"):
         value = getattr(margins, f"{name}_gain_margin_db")

@@ -49,6 +49,7 @@ FIGURES = {
     "09_wafer_stage": (95.31, 83.872, 0.869, 603.2, 6.313e9),
     "10_gantry_crane": (70.61, 15.22, 28.54, 16.90, 2001.7, 30.30),
     "11_any_motion": (12.6003, 15.6923, 2.9000, 2.43198, 10.7634),
+    "12_measure_shape_check_ship": (42.935, 17.457, 1.8, 1.298e6, 12.0, 78.0),
 }
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 RUN = [path for path in NOTEBOOKS if SLOW or path.stem[:2] in ("01", "10")]

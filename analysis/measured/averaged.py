@@ -97,6 +97,12 @@ def _dwell(
     records: tuple[Real, Real, Real], dt: float, frequency: float, start: float, end: float
 ) -> list[Complex]:
     """Return the complex amplitudes of a dwell, one for each of its blocks."""
+    length = len(records[0]) * dt
+    if not 0.0 <= start < end <= length * (1.0 + 1e-9):
+        raise ValueError(
+            f"dwell at {frequency:g} Hz from {start:g} to {end:g} s: expected times within the "
+            f"records, 0 to {length:g} s; give (frequency in Hz, start, end in seconds)"
+        )
     first = start + _SETTLING * (end - start)
     whole = int((end - first) * frequency / _BLOCKS)
     if whole < 1:

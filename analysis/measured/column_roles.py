@@ -20,6 +20,8 @@ FREQUENCY_UNITS: dict[str, float] = {
 }
 """Hz of each unit of frequency."""
 
+_ROUNDED = 1e-3  # of a coherence above 1 by rounding
+
 Column = tuple[str, Any]
 """A column's name and its values."""
 
@@ -121,13 +123,21 @@ def complex_response(where: str, found: Mapping[str, Column]) -> Complex:
     """Return the response of re and im, or of gain and phase."""
     if "response" in found:
         return np.asarray(found["response"][1], dtype=complex)
-    if {"re", "im"} <= set(found):
-        return np.asarray(found["re"][1] + 1j * np.asarray(found["im"][1]))
-    return np.asarray(_gain(*found["gain"]) * np.exp(1j * _radians(where, *found["phase"])))
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is told by its line
+        if {"re", "im"} <= set(found):
+            return np.asarray(found["re"][1] + 1j * np.asarray(found["im"][1]))
+        phase = _radians(where, *found["phase"])
+        return np.asarray(_gain(where, *found["gain"]) * np.exp(1j * phase))
 
 
-def _gain(name: str, values: Real) -> Real:
-    decibels = unit_of(name) == "dB" or (unit_of(name) != "abs" and (values < 0.0).any())
+def _gain(where: str, name: str, values: Real) -> Real:
+    negative = values < 0.0
+    if unit_of(name) == "abs" and negative.any():
+        raise ValueError(
+            f"{where}: column {name!r} has {values[negative][0]:g} in it: expected magnitudes, 0 "
+            "or more; give columns=… with 'dB' in its place if they are decibels"
+        )
+    decibels = unit_of(name) == "dB" or negative.any()
     return np.asarray(10.0 ** (values / 20.0) if decibels else values)
 
 
@@ -143,11 +153,21 @@ def _radians(where: str, name: str, values: Real) -> Real:
     )
 
 
-def deviations(found: Mapping[str, Column], response: Complex, averages: int | None) -> Real | None:
+def deviations(
+    where: str, found: Mapping[str, Column], response: Complex, averages: int | None
+) -> Real | None:
     """Return σ as it was measured, or of the coherence γ² of n averages: |G|·√((1 − γ²)/(γ²·n))."""
     if "sigma" in found:
         return np.asarray(found["sigma"][1], dtype=float)
     if "coherence" not in found or averages is None:
         return None
-    square = np.clip(np.asarray(found["coherence"][1], dtype=float), 1e-6, 1.0)
+    name, given = found["coherence"]
+    square = np.asarray(given, dtype=float)
+    bad = ~((square >= 0.0) & (square <= 1.0 + _ROUNDED))
+    if bad.any():
+        raise ValueError(
+            f"{where}: column {name!r} has {square[bad][0]:g} in it: expected coherences from 0 to "
+            "1; divide percentages by 100, or leave the line out"
+        )
+    square = np.clip(square, 1e-6, 1.0)
     return np.asarray(abs(response) * np.sqrt((1.0 - square) / (square * averages)))

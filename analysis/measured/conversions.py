@@ -137,13 +137,25 @@ def _loop_of(measured: MeasuredResponse, values: ControllerValues) -> MeasuredRe
     if measured.kind == "loop":
         return measured
     if measured.kind == "sensitivity":
+        _check_loop(measured, value, "S = 0", "L = 1/S − 1")
         return _as_loop(measured, 1.0 / value - 1.0, _times(measured.sigma, abs(value) ** -2.0))
     c: Any = 1.0
     if measured.kind == "process-sensitivity":
         c = values.at(measured.frequency_hz)
     t = c * value
+    _check_loop(measured, 1.0 - t, "T = 1", "L = T/(1 − T)")
     sigma = _times(measured.sigma, abs(c) / abs(1.0 - t) ** 2)
     return _as_loop(measured, t / (1.0 - t), sigma, values)
+
+
+def _check_loop(measured: MeasuredResponse, divisor: Complex, where: str, formula: str) -> None:
+    """Refuse lines on which the loop would be infinite."""
+    if not divisor.all():
+        at = measured.frequency_hz[int(np.argmin(abs(divisor)))]
+        raise ValueError(
+            f"{where} at {at:g} Hz, where {formula} is infinite: expected digits that tell S and T "
+            "from 0 and 1; write more of them, or leave the line out"
+        )
 
 
 def _as_loop(

@@ -19,6 +19,7 @@ from .periodic import Estimate, estimate, left_out_levels, spectra
 from .rational_fits import Real
 
 _SEGMENTS = 12
+_LEAST = 16  # samples
 _LOW = 0.3  # coherence of w below which a line is not to be trusted
 
 
@@ -117,8 +118,12 @@ def estimate_frf(
         w, u, y = (x[:, cut : cut + periods * period] for x in (w, u, y))
         found, coherence = estimate(spectra(w, u, y, dt, period)), None
     else:
-        size = w.shape[1] // _SEGMENTS if segment is None else segment
-        size = whole("segment", size, 16, w.shape[1]) // 2 * 2
+        if w.shape[1] < _LEAST:
+            raise ValueError(
+                f"records of {w.shape[1]} samples: expected {_LEAST} or more; measure longer"
+            )
+        size = max(_LEAST, w.shape[1] // _SEGMENTS) if segment is None else segment
+        size = whole("segment", size, _LEAST, w.shape[1]) // 2 * 2
         found, coherence = welch(w.ravel(), u.ravel(), y.ravel(), dt, size)
     levels = {"even": nan, "odd": nan}
     if period is not None and dwells is None:
@@ -135,6 +140,12 @@ def _records(excitation: Any, u: Any, y: Any, period: int | None) -> tuple[Real,
         )
     named = (("excitation", excitation), ("u", u), ("y", y))
     w, u, y = (np.atleast_2d(real_array(name, value)) for name, value in named)
+    for name, record in (("excitation", w), ("u", u), ("y", y)):
+        if record.ndim != 2 or record.size == 0:
+            raise ValueError(
+                f"{name} of shape {record.shape}: expected a record, or one in each row; give (n,) "
+                "or (M, n) samples"
+            )
     if period is not None:
         period = whole("period", period, 4, max(u.shape[-1], 4))
         if w.shape[1] == period and u.shape[1] > period:

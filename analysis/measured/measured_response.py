@@ -85,6 +85,10 @@ class MeasuredResponse(Told, Frozen):
         _check_lengths(lines, values, sigma)
         _check_lines(lines)
         _check_finite("response", values, lines)
+        if not values.any():
+            raise ValueError(
+                "response is 0 on every line: expected a measurement; check the channel"
+            )
         if sigma is not None:
             _check_finite("sigma", sigma, lines)
             if (sigma < 0.0).any():

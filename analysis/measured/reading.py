@@ -95,15 +95,17 @@ def read_frf(
         raise ValueError(
             f"{path}: {len(frequency)} frequencies and {len(response)} values: expected as many"
         )
-    sigma = deviations(found, response, averages)
+    sigma = deviations(str(path), found, response, averages)
     order = np.arange(len(frequency))
     order = order[::-1] if (np.diff(frequency) < 0.0).all() else order
     order = order[frequency[order] != 0.0]
     factor = (2j * np.pi * frequency[order]) ** -_ORDERS[output]
+    with np.errstate(invalid="ignore"):  # what is not finite is told by its line
+        positions = response[order] * factor
     try:
         return MeasuredResponse(
             frequency[order],
-            response[order] * factor,
+            positions,
             None if sigma is None else sigma[order] * abs(factor),
             kind=kind,
             dt=dt,

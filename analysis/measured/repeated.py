@@ -79,6 +79,11 @@ def repeated_margins(
     controller, measured_with : optional
         As in `loop_margins`.
     """
+    if not isinstance(measured, Mapping):
+        raise TypeError(
+            f"measured is a {type(measured).__name__}: expected responses by name, "
+            "{'monday': response, …}"
+        )
     if not measured:
         raise ValueError("no measurement is given: expected one or more, {'name': response}")
     return RepeatedMargins(

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ...analysis.loop_survey import UnstableLoopError
 from ...analysis.margins import LoopMargins
 from ...analysis.specification import Move
 from ...analysis.step_response import step_response
 from ...analysis.surveyed_loop import decaying_poles
 from ...analysis.surveyed_moves import MoveSurvey, move_survey
+from ...analysis.unstable_loop import UnstableLoopError
 from ...shaping.pieces import FloatArray
 from ..scenario_loop import jerk_filter_of
 from .state import State

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...analysis.loop_survey import Survey
+from ...analysis.measured_survey import MeasuredSurvey
 from ...analysis.unstable_loop import UnstableLoopError
 from ..scenario import Scenario, as_scenario
 from ..scenario_survey import survey_file
@@ -104,9 +104,11 @@ def _report(
 ) -> GateReport:
     title, unit = scenario.title, scenario.position_unit
     try:
-        found: Survey = survey_file(scenario)
+        found = survey_file(scenario)
     except UnstableLoopError as error:
         return GateReport(title, scenario.path, unit, (), unstable=str(error))
+    if isinstance(found, MeasuredSurvey) and found.untold:
+        return GateReport(title, scenario.path, unit, (), unstable=" ".join(found.untold))
     numbers = survey_numbers(found)
     written = Checks() if checks_at is None else load_checks(checks_at, numbers)
     if unit_was not in (None, unit) and any(map(is_position, written.requirements)):

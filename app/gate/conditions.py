@@ -20,6 +20,7 @@ from ...shaping.derivatives import derivative_name
 from ..scenario import Scenario
 from ..scenario_asked import FileSection, OntoSection, ScanSection
 from ..scenario_checks import GAIN_UNITS
+from ..scenario_frf import FrfSection
 from ..scenario_keys import Quantity
 from ..scenario_messages import key_path
 from ..units import UnitError, conversion
@@ -181,6 +182,8 @@ def _leaves(part: Any, where: Key, scenario: Scenario) -> Iterator[tuple[Key, st
 
 def _is_left_out(part: Any, field: Field[Any], value: Any) -> bool:
     """Whether a value stands for what a file leaves out; those of format 1 are told, too."""
+    if isinstance(part, FrfSection) and field.name == "file":  # its numbers are what is compared
+        return True
     return not isinstance(part, Scenario | Mode) and bool(value == field.default)
 
 

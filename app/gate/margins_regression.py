@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from pytest_datadir.plugin import LazyDataDir
 
     from ...analysis.loop_survey import Survey
+    from ...analysis.measured_survey import MeasuredSurvey
     from ..scenario import Scenario
 
     Data: TypeAlias = control.FrequencyResponseData | MeasuredResponse | MeasuredMargins
     Loop: TypeAlias = control.StateSpace | control.TransferFunction | ServoLoop | LoopMargins | Data
-    Checked: TypeAlias = Loop | Survey | Scenario | str | Path
+    Checked: TypeAlias = Loop | Survey | MeasuredSurvey | Scenario | str | Path
 
 _DIFFERENT = ("worse", "changed", "gone", "better")
 
@@ -122,8 +123,11 @@ def _measured(
 ) -> tuple[tuple[Number, ...], str | None, Conditions]:
     """Return the numbers of a loop, the unit of positions among them, and their conditions."""
     __tracebackhide__ = True
-    from ...analysis.loop_survey import Survey, UnstableLoopError
+    from ...analysis.loop_survey import Survey
+    from ...analysis.measured_survey import MeasuredSurvey
+    from ...analysis.unstable_loop import UnstableLoopError
     from ..scenario import Scenario
+    from ..scenario_measured import MeasuredScenarioSurvey
     from ..scenario_survey import ScenarioSurvey, survey_file
 
     if delay and isinstance(loop, Scenario | str | Path | Survey | LoopMargins):
@@ -136,8 +140,12 @@ def _measured(
             loop = survey_file(loop)
         except UnstableLoopError as error:
             raise AssertionError(str(error)) from None
-    if isinstance(loop, Survey):
-        conditions = scenario_conditions(loop.scenario) if isinstance(loop, ScenarioSurvey) else {}
+    if isinstance(loop, MeasuredSurvey) and loop.untold:
+        raise AssertionError(" ".join(loop.untold))
+    if isinstance(loop, Survey | MeasuredSurvey):
+        conditions: Conditions = {}
+        if isinstance(loop, ScenarioSurvey | MeasuredScenarioSurvey):
+            conditions = scenario_conditions(loop.scenario)
         return survey_numbers(loop), loop.labels.position_unit, conditions
     margins = _margins(loop, delay, controller)
     if not margins.stable:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Literal
 
+from ...analysis.measured_survey import MeasuredSurvey
 from ...analysis.specification import FIGURES
 from ...shaping.derivatives import derivative_name
 from ..scenario_messages import key_path
@@ -133,7 +134,7 @@ def measured_numbers(margins: MeasuredMargins) -> tuple[Number, ...]:
     )
 
 
-def survey_numbers(survey: Survey) -> tuple[Number, ...]:
+def survey_numbers(survey: Survey | MeasuredSurvey) -> tuple[Number, ...]:
     """Return the numbers of a survey, positions in the scenario's unit.
 
     Those of an ideal loop are the first ones; a loop with modes, delay, friction or limits has
@@ -142,8 +143,13 @@ def survey_numbers(survey: Survey) -> tuple[Number, ...]:
 
     Of each move: its duration, the peaks of its derivatives, how the loop with its feedforward
     follows it, the worse of the responses with Ĵ varied either way ("varied"), and the
-    vibration that it leaves in each mode of the scenario.
+    vibration that it leaves in each mode of the scenario. Of a measured loop the margins and what
+    is required of them, with their deviations.
     """
+    if isinstance(survey, MeasuredSurvey):
+        required = zip(_requirement_numbers(survey), survey.requirements, strict=True)
+        asked = (replace(each, sigma=survey.sigma_of(check)) for each, check in required)
+        return (*measured_numbers(survey.margins), *asked)
     step = [
         Number(
             ("step", name),
@@ -155,11 +161,12 @@ def survey_numbers(survey: Survey) -> tuple[Number, ...]:
     ]
     moves = [number for move in survey.moves for number in _move_numbers(survey, move)]
     real = () if survey.is_ideal else _real_numbers(survey)
-    asked = (*_tracking_numbers(survey), *map(_scaled(survey), _requirement_numbers(survey)))
-    return (*loop_numbers(survey.margins), *step, *moves, *real, *asked)
+    scaled = map(_scaled(survey), _requirement_numbers(survey))
+    of_all = (*loop_numbers(survey.margins), *step, *moves, *real)
+    return (*of_all, *_tracking_numbers(survey), *scaled)
 
 
-def bounds_of(survey: Survey) -> dict[Key, tuple[float, float]]:
+def bounds_of(survey: Survey | MeasuredSurvey) -> dict[Key, tuple[float, float]]:
     """Return the bounds of the numbers that are required, by key."""
     bounds: dict[Key, tuple[float, float]] = {}
     for check in survey.requirements:
@@ -181,7 +188,7 @@ def _scaled(survey: Survey) -> Callable[[Number], Number]:
     return scaled
 
 
-def _requirement_numbers(survey: Survey) -> Iterator[Number]:
+def _requirement_numbers(survey: Survey | MeasuredSurvey) -> Iterator[Number]:
     for check in survey.requirements:
         yield Number((_REQUIRED, check.requirement.name), check.achieved, _side(check))
 

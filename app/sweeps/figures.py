@@ -11,10 +11,11 @@ from typing import Any
 
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Labels, Requirement
-from ...plant import PID
+from ...plant import PID, as_controller
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
+from ..scenario_measured import measured_loop_of, survey_measured
 
 
 @dataclass(frozen=True)
@@ -56,14 +57,11 @@ class Problem:
         """
         try:
             scenario = self.scenario(values)
-            conditions = survey_conditions(scenario)
-            loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
-            partial = PartialSurvey(loop, scenario.moves, jerk_filter=behind, conditions=conditions)
             labels = labels_of(scenario)
             asked = [requirement_of(name) for name in self.figures]
             found = [
                 value / labels.unit_of(each.unit)[1]
-                for value, each in zip(partial.figures(asked), asked, strict=True)
+                for value, each in zip(_figures(scenario, asked), asked, strict=True)
             ]
         except ValueError as error:
             return (nan,) * len(self.figures), str(error)
@@ -82,10 +80,23 @@ class Problem:
         return known
 
 
+def _figures(scenario: Scenario, asked: Sequence[Requirement]) -> Sequence[float]:
+    """Return figures of a scenario in SI units, of a measured loop those of its margins."""
+    if scenario.body == "frf":
+        return [check.achieved for check in survey_measured(scenario, asked).requirements]
+    conditions = survey_conditions(scenario)
+    loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
+    partial = PartialSurvey(loop, scenario.moves, jerk_filter=behind, conditions=conditions)
+    return partial.figures(asked)
+
+
 def _designed_gains(scenario: Scenario) -> dict[str, str] | None:
-    if isinstance(scenario.gains, Gains | CascadeSection):
+    if isinstance(scenario.gains, Gains | CascadeSection) or scenario.gains == "measured":
         return None
-    law = servo_loop_of(scenario).controller_noun.law
+    if scenario.body == "frf":
+        law = as_controller(measured_loop_of(scenario)[1]).law
+    else:
+        law = servo_loop_of(scenario).controller_noun.law
     assert isinstance(law, PID)  # which alone is designed
     torque, per = ("N m", "rad") if scenario.motion == "angle" else ("N", "m")
     return {

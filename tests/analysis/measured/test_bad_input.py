@@ -1,0 +1,96 @@
+"""What cannot be used of files, responses and records is one line, without a warning before it."""
+
+import numpy as np
+import pytest
+
+from jounce.analysis import (
+    MeasuredResponse,
+    estimate_frf,
+    loop_margins,
+    read_frf,
+    repeated_margins,
+)
+
+LINES = np.arange(1.0, 31.0)
+G = 100 / (2j * np.pi * LINES * (2j * np.pi * LINES + 30))
+N = 400
+W = np.random.default_rng(0).normal(size=N)
+Y = np.cumsum(W) * 0.01
+
+
+def rows(*extra):
+    numbers = np.column_stack([LINES, G.real, G.imag])
+    cells = [[f"{value:.6g}" for value in row] + list(extra) for row in numbers]
+    return [",".join(row) for row in cells]
+
+
+def with_row(text):
+    return ["frequency_hz,re,im", *rows()[:9], text, *rows()[9:]]
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (with_row("9.5,nan,1"), "at 9.5 Hz: expected finite numbers; leave the line out"),
+        (with_row("9.5,inf,1"), "at 9.5 Hz: expected finite numbers; leave the line out"),
+        (with_row("9.5,,1"), "'9.5,,1' is not a row of 3 numbers"),
+        (with_row("9,1,1"), "frequency 9 Hz is there twice"),
+        (with_row("3.5,1,1"), "frequency falls from 9 to 3.5 Hz"),
+        (["frequency_hz,re,im", rows()[0]], "one row of numbers"),
+        (["frequency_hz,re,im", *(f"{hz},0,0" for hz in LINES)], "response is 0 on every line"),
+        (["freq_hz,mag_db,phase_deg", *(f"{hz},9999,0" for hz in LINES)], "expected finite"),
+        (
+            ["freq_hz,mag_abs,phase_deg", *(f"{hz},-0.5,0" for hz in LINES)],
+            "expected magnitudes, 0",
+        ),
+        (["freq_hz,mag_abs,mag_db,phase_deg", *(f"{hz},1,0,0" for hz in LINES)], "are both gain"),
+        (["frequency_hz,re,im,coherence", *rows("98")], "divide percentages by 100"),
+        (["frequency_hz,re,im,coherence", *rows("nan")], "expected coherences from 0 to 1"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_one_line(tmp_path, lines, told):
+    path = tmp_path / "axis.csv"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(ValueError, match=told) as error:
+        read_frf(path, kind="loop", averages=20)
+    assert "\n" not in str(error.value)
+
+
+def test_a_million_lines_are_refused_before_they_are_read(tmp_path):
+    path = tmp_path / "axis.csv"
+    path.write_text("frequency_hz,re,im\n" + "1,2,3\n" * 1_000_000, encoding="utf-8")
+    with pytest.raises(ValueError, match="1000001 lines: expected 200000 at the most"):
+        read_frf(path, kind="loop")
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "told"),
+    [("sensitivity", 0.0, "S = 0 at 5 Hz"), ("complementary", 1.0, "T = 1 at 5 Hz")],
+)
+def test_a_loop_that_is_infinite_on_a_line_is_told(kind, value, told):
+    values = 0.5 * G / abs(G)
+    values[4] = value
+    with pytest.raises(ValueError, match=told):
+        loop_margins(MeasuredResponse(LINES, values, kind=kind))
+
+
+@pytest.mark.parametrize(
+    ("records", "options", "told"),
+    [
+        ((W, W, Y[:-5]), {}, "records of unequal length, in samples: excitation 400, u 400, y 395"),
+        (([], [], []), {}, r"excitation of shape \(1, 0\): expected a record, or"),
+        ((W[:9], W[:9], Y[:9]), {}, "records of 9 samples: expected 16 or more"),
+        ((W.reshape(2, 2, 100),) * 3, {}, "one in each row"),
+        ((W, W, Y), {"period": 500}, "expected a whole number from 4 to 400"),
+        ((W, W, Y), {"dwells": [(100.0, 0.0, 9.0)]}, "within the records, 0 to 0.4 s"),
+        ((W, W, np.zeros(N)), {}, "y is constant"),
+    ],
+)
+def test_records_that_do_not_fit_are_told(records, options, told):
+    with pytest.raises(ValueError, match=told):
+        estimate_frf(*records, 1e-3, **options)
+
+
+def test_measurements_have_names():
+    with pytest.raises(TypeError, match="measured is a list: expected responses by name"):
+        repeated_margins([MeasuredResponse(LINES, G, kind="loop")])
