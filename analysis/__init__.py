@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         repeated_margins,
     )
     from .specification import FIGURES, Labels, Mode, Move, Requirement, Specification, Tracking
+    from .survey_of_data import MeasuredSurvey, measured_survey
     from .sweep_result import SweepResult
     from .tuning import TunedPID, tune_pid
     from .unstable_loop import UnstableLoopError
@@ -77,6 +78,7 @@ _LATER = {
     "ManyMargins": "margins",
     "MeasuredMargins": "measured",
     "MeasuredResponse": "measured",
+    "MeasuredSurvey": "survey_of_data",
     "Mode": "specification",
     "Move": "specification",
     "Multisine": "measured",
@@ -106,6 +108,7 @@ _LATER = {
     "loop_margins": "margins",
     "many_loop_margins": "margins",
     "multisine": "measured",
+    "measured_survey": "survey_of_data",
     "null_by_size": "frequency_view",
     "null_omegas": "frequency_view",
     "null_rise_time": "frequency_view",
@@ -144,6 +147,7 @@ __all__ = [
     "ManyMargins",
     "MeasuredMargins",
     "MeasuredResponse",
+    "MeasuredSurvey",
     "Mode",
     "Move",
     "Multisine",
@@ -172,6 +176,7 @@ __all__ = [
     "frequency_response",
     "loop_margins",
     "many_loop_margins",
+    "measured_survey",
     "multisine",
     "null_by_size",
     "null_omegas",

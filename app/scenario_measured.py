@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from ..analysis.measured import MeasuredResponse, read_frf
-from ..analysis.measured_survey import MeasuredSurvey, measured_survey
 from ..analysis.specification import Labels, Requirement
+from ..analysis.survey_of_data import MeasuredSurvey, measured_survey
 from ..analysis.unstable_loop import UnstableLoopError
 from .scenario import Scenario
 from .scenario_loop import controller_of

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from ..analysis.disturbed import total_of
 from ..analysis.margins.result import in_samples, shown_intervals
-from ..analysis.measured_survey import MeasuredSurvey
+from ..analysis.survey_of_data import MeasuredSurvey
 from .measured_report import margins_report
 from .tables import WideTable, plain_table
 

@@ -9,7 +9,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle
 
 from ..analysis.measured import MeasuredResponse, closed_responses, measured_margins, open_loop
-from ..analysis.measured_survey import MeasuredSurvey
+from ..analysis.survey_of_data import MeasuredSurvey
 from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
 
 if TYPE_CHECKING:

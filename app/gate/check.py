@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...analysis.measured_survey import MeasuredSurvey
+from ...analysis.survey_of_data import MeasuredSurvey
 from ...analysis.unstable_loop import UnstableLoopError
 from ..scenario import Scenario, as_scenario
 from ..scenario_survey import survey_file

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pytest_datadir.plugin import LazyDataDir
 
     from ...analysis.loop_survey import Survey
-    from ...analysis.measured_survey import MeasuredSurvey
+    from ...analysis.survey_of_data import MeasuredSurvey
     from ..scenario import Scenario
 
     Data: TypeAlias = control.FrequencyResponseData | MeasuredResponse | MeasuredMargins
@@ -124,7 +124,7 @@ def _measured(
     """Return the numbers of a loop, the unit of positions among them, and their conditions."""
     __tracebackhide__ = True
     from ...analysis.loop_survey import Survey
-    from ...analysis.measured_survey import MeasuredSurvey
+    from ...analysis.survey_of_data import MeasuredSurvey
     from ...analysis.unstable_loop import UnstableLoopError
     from ..scenario import Scenario
     from ..scenario_measured import MeasuredScenarioSurvey

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Literal
 
-from ...analysis.measured_survey import MeasuredSurvey
 from ...analysis.specification import FIGURES
+from ...analysis.survey_of_data import MeasuredSurvey
 from ...shaping.derivatives import derivative_name
 from ..scenario_messages import key_path
 

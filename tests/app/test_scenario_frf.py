@@ -83,7 +83,6 @@ def test_the_survey_is_printed_and_written(measured, run, tmp_path):
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "survey.json",
         "survey.png",
-        "survey.pdf",
     }
 
 

@@ -8,14 +8,16 @@ from math import inf, isnan
 from typing import Any
 
 from ..shaping.drawing import draw
+from ..shaping.frozen import Frozen
+from ..shaping.told import Told
 from .measured import MeasuredMargins, MeasuredResponse, measured_margins
 from .requirement_checks import OF_MARGINS, RequirementCheck, requirement_checks
 from .specification import Labels, Requirement
 from .unstable_loop import UnstableLoopError
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MeasuredSurvey:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MeasuredSurvey(Told, Frozen):
     """What a measured loop shows without a model of it: no time responses.
 
     Attributes
