@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..plant import ServoLoop
+from ..plant.response_figures import peak_torque
 from ..shaping import Limits, Trajectory, input_shaper, min_time_move
 
 _POINTS = 3000  # of the grid on which a trial is seen
@@ -125,7 +126,8 @@ class Bench:
         response = self._response(family, move, times)
         off = np.abs(response.load - move.end_state[0]) - self.tolerance
         torque = float(np.abs(response.torque).max())
-        return self._told(family, limits, move, _last_outside(times, off), torque)
+        settled, saturates = _last_outside(times, off), response.saturated_time > 0.0
+        return self._told(family, limits, move, settled, torque, saturates)
 
     def exact(self, trial: LimitTrial) -> LimitTrial:
         """Return a trial again, its settling exact in continuous time and watched for longer."""
@@ -138,17 +140,22 @@ class Bench:
         end = _LONGER * max(self.horizon, move.duration)
         response = self._response(family, move, np.array([0.0, end]))
         settled = response.settling_time(float(move.end_state[0]), self.tolerance, of="load")
-        return replace(trial, settling_time=settled)
+        return replace(trial, settling_time=settled, peak_torque=peak_torque(response))
 
     def _response(self, family: Family, move: Trajectory, times: Any) -> Any:
         loop = self.loop_for(min(family.order, move.order))
         return loop.respond(move, duration=float(times[-1]), times=times)
 
     def _told(
-        self, family: Family, limits: Limits, move: Trajectory, settled: float, torque: float
+        self,
+        family: Family,
+        limits: Limits,
+        move: Trajectory,
+        settled: float,
+        torque: float,
+        saturates: bool,
     ) -> LimitTrial:
         bounds = (*limits.upper, inf)
-        most = self.loop.axis.torque_limit
         return LimitTrial(
             family.order,
             family.shaper,
@@ -157,7 +164,7 @@ class Bench:
             move.duration,
             settled,
             torque,
-            torque >= most * (1.0 - 1e-12) if most < inf else False,
+            saturates,
         )
 
 

@@ -151,6 +151,7 @@ static void level_off(jounce_task *t, double velocity, double *x, jounce_motion 
     jounce_change_pieces(&to, &change, *x, motion);
     *x += change.distance;
     t->distance -= change.distance;
+    t->resolution += ROUNDING * larger(magnitude(t->v0), magnitude(velocity)) * change.duration;
     t->v0 = velocity;
     t->a0 = 0.0;
 }
@@ -211,8 +212,8 @@ static void slow_down(jounce_task *t, double *x, jounce_motion *motion) {
     if (is_finite(t->rise) && t->a0 < 0.0) {
         top = smaller(top, larger(t->v0 - 0.5 * t->a0 * t->a0 / t->rise, t->v_min));
     }
-    velocity = level(t, top);
-    if (velocity != top && is_finite(t->rise)) {
+    velocity = is_finite(t->rise) ? level(t, top) : top; /* order 2 brakes on from there */
+    if (velocity != top) {
         Outcome lower = outcome_of(t, velocity, 0, *x), at_top = outcome_of(t, top, 0, *x);
         if (is_better(at_top, lower)) {
             velocity = top;
@@ -264,25 +265,32 @@ double jounce_bring_inside(jounce_task *t, double x, jounce_motion *motion) {
     return x;
 }
 
-/* Whether a velocity and an acceleration keep their bounds, but for a relative slack. */
-static int keeps(const jounce_task *t, double v, double a, double slack) {
+/* Whether the velocity, or else the acceleration, keeps its bounds, but for a relative slack. */
+static int keeps(const jounce_task *t, int of_v, double value, double slack) {
     double more = 1.0 + slack;
-    return t->v_min * more <= v && v <= t->v_max * more && t->a_min * more <= a &&
-           a <= t->a_max * more;
+    return (of_v ? t->v_min : t->a_min) * more <= value &&
+           value <= (of_v ? t->v_max : t->a_max) * more;
 }
 
-/* The last time in a piece, in which v is monotone, at which a bound is not kept; 0 for none. */
-static double last_outside(const jounce_task *t, const jounce_piece *piece) {
+/* Velocity or acceleration at a time in a piece. */
+static double value_at(const jounce_piece *piece, int of_v, double h) {
+    return of_v ? piece->v + (piece->a + 0.5 * piece->j * h) * h : piece->a + piece->j * h;
+}
+
+/* The last time in a piece, in which v is monotone, at which one of both is out of its bounds; 0 for
+ * none. Where it ends at the bound that it was out of, it is so until the end. */
+static double last_out_of(const jounce_task *t, const jounce_piece *piece, int of_v) {
     double h = piece->duration, low = 0.0, high = h;
-    double v = piece->v + (piece->a + 0.5 * piece->j * h) * h, a = piece->a + piece->j * h;
+    double low_bound = of_v ? t->v_min : t->a_min, high_bound = of_v ? t->v_max : t->a_max;
     int i;
-    if (!keeps(t, v, a, ROUNDING)) {
+    if (!keeps(t, of_v, value_at(piece, of_v, h), ROUNDING)) {
         return h;
     }
-    if (keeps(t, piece->v, piece->a, ROUNDING)) {
+    if (keeps(t, of_v, value_at(piece, of_v, 0.0), ROUNDING)) {
         return 0.0;
     }
-    if (!keeps(t, v, a, -ROUNDING)) { /* it ends at a bound */
+    if (value_at(piece, of_v, 0.0) > 0.0 ? value_at(piece, of_v, h) >= high_bound * (1.0 - ROUNDING)
+                                         : value_at(piece, of_v, h) <= low_bound * (1.0 - ROUNDING)) {
         return h;
     }
     for (i = 0; i < MOST_HALVINGS; i++) {
@@ -290,14 +298,17 @@ static double last_outside(const jounce_task *t, const jounce_piece *piece) {
         if (!(low < middle && middle < high)) {
             break;
         }
-        if (keeps(t, piece->v + (piece->a + 0.5 * piece->j * middle) * middle,
-                  piece->a + piece->j * middle, 0.0)) {
+        if (keeps(t, of_v, value_at(piece, of_v, middle), 0.0)) {
             high = middle;
         } else {
             low = middle;
         }
     }
     return high;
+}
+
+static double last_outside(const jounce_task *t, const jounce_piece *piece) {
+    return larger(last_out_of(t, piece, 1), last_out_of(t, piece, 0));
 }
 
 double jounce_time_inside(const jounce_task *t, const jounce_motion *motion) {

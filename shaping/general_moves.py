@@ -61,7 +61,9 @@ def _closed(distance: float, limits: Limits, start: float, method: Method) -> Tr
     if method == "optimal" or limits.order < 4:
         return move
     other = averaged_move(distance, limits)
-    return other.shift(start) if other is not None and other.duration < move.duration else move
+    if other is None or other.duration >= move.duration or other.violation(limits) > _KEPT:
+        return move
+    return other.shift(start)
 
 
 def _whole_move(

@@ -285,6 +285,18 @@ class Planned(Told, Frozen):
         return self.trajectory.duration if motion is None else motion.duration
 
     @property
+    def start_time(self) -> float:
+        """The first break; motions of the core begin at 0."""
+        motion: core.Motion | None = self.__dict__.get("_motion")
+        return self.trajectory.start_time if motion is None else 0.0
+
+    @property
+    def end_time(self) -> float:
+        """The last break."""
+        motion: core.Motion | None = self.__dict__.get("_motion")
+        return self.trajectory.end_time if motion is None else motion.duration
+
+    @property
     def end_state(self) -> FloatArray:
         """Position and derivatives 1…n at the end, shape (n + 1,)."""
         return self.trajectory.end_state

@@ -265,9 +265,10 @@ def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Pro
     """Return what a search proves, of fewer derivatives where the highest ones spoil it."""
     n, best = limits.order, None
     for order in range(n, 1, -1):
-        below = limits if order == n else truncated(limits, order)
-        if below.order < order or not all(np.isfinite(below.bounds(order))):
+        low, high = limits.bounds(order)
+        if not -inf < low < 0.0 < high < inf:
             continue
+        below = limits if order == n else truncated(limits, order)
         start, end = (
             (float(state[0]), *(0.0 if rests else float(x) for x in state[1:order]))
             for state in (move.start_state, move.end_state)

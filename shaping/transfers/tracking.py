@@ -8,7 +8,7 @@ from ..checks import finite, state_numbers
 from ..limits import Limits
 from ..real_numbers import shown
 from ..trajectory import Trajectory
-from .problem import State, Transfer, check_order, checked_state
+from .problem import State, Transfer, checked_numbers
 from .transfer import min_time_transfer
 
 
@@ -25,7 +25,7 @@ def tracking_transfer(start: State, target: State, limits: Limits) -> Transfer:
     target : (position, velocity)
         At time 0, such as (ramp.offset, ramp.rate) of a `plant.Ramp`.
     limits : Limits
-        Of order 2 or 3; the velocity bound holds for the axis, not relative to the target.
+        Of order 2 to 10; the velocity bound holds for the axis, not relative to the target.
 
     Returns
     -------
@@ -45,8 +45,7 @@ def tracking_transfer(start: State, target: State, limits: Limits) -> Transfer:
     >>> bool(abs(onto(later) - (1.0 + 0.5 * later)) < 1e-12)
     True
     """
-    check_order(limits)
-    x, v, a = checked_state("start", start, limits)
+    x, v, *others = *checked_numbers("start", start, limits), 0.0
     numbers = state_numbers("target", target)
     if len(numbers) != 2:
         raise ValueError(f"target = {shown(target)}: expected (position, velocity) at time 0")
@@ -60,9 +59,10 @@ def tracking_transfer(start: State, target: State, limits: Limits) -> Transfer:
             f"target velocity = {velocity!r} with limits from {low!r} to {high!r}: the axis cannot "
             "catch up with it; raise the velocity limit"
         )
-    others = [limits.bounds(k) for k in range(2, limits.order + 1)]
-    seen = Limits.from_bounds([(low - velocity, high - velocity), *others])
-    relative = min_time_transfer((x - position, v - velocity, a)[: limits.order], 0.0, seen)
+    bounds = [limits.bounds(k) for k in range(2, limits.order + 1)]
+    seen = Limits.from_bounds([(low - velocity, high - velocity), *bounds])
+    begin = (x - position, v - velocity, *others)[: limits.order]
+    relative = min_time_transfer(begin, 0.0, seen)
     moved = _moving(relative.trajectory, position, velocity)
     return Transfer(moved, limits, relative.inside_after)
 

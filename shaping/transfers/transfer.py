@@ -71,7 +71,7 @@ def min_time_transfer(
     order 4, 0.1 to 0.5 s at orders 5 and 6, 0.3 to 2 s at orders 7 and 8. The search ends by a
     count of the work done, the same on every machine, after ten seconds or so: with what is known.
 
-    Otherwise the minimum is exact: the structures of both families (`third_order`) are enumerated,
+    Otherwise the minimum is exact: the structures of both families are enumerated,
     and the one unknown of each is found to the last bit. End state and bounds hold to 1e-10
     relative to the motion's own scale, and neither depends on the units: problems are scaled by
     powers of two first. Bounds more than three decades apart between the two directions cost

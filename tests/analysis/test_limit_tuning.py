@@ -9,6 +9,7 @@ from jounce.analysis import tune_limits
 from jounce.plant import (
     PID,
     Axis,
+    CascadedPI,
     Controller,
     Feedforward,
     FlexibleInertia,
@@ -169,3 +170,15 @@ def test_what_cannot_be_is_told_in_one_line(change, words):
     with pytest.raises(ValueError, match=words) as refusal:
         tune_limits(asked.pop("plant"), asked.pop("distance"), **asked)
     assert "\n" not in str(refusal.value)
+
+
+def test_the_torque_told_is_the_one_there_is_between_the_points_of_a_grid():
+    mode = FlexibleMode(0.3, 0.005, load_fraction=0.6, held=True)
+    axis = Axis(5000.0, modes=[mode], viscous=800.0)
+    controller = Controller(CascadedPI(2.0, 40000.0, 2.0), sample_time=0.01, delay=0.01)
+    loop = ServoLoop(axis, controller, low_frequency_feedforward(axis, controller=controller))
+    tuned = tune_limits(loop, 12.0, settle_to=0.02, velocity=1.0, acceleration=0.4)
+    simulated = loop.respond(tuned.move, dt=0.01, duration=30.0)
+    largest = np.abs(simulated.torque).max()
+    assert tuned.best.peak_torque >= largest * (1.0 - 1e-9)
+    assert tuned.best.peak_torque == pytest.approx(largest, rel=1e-3)

@@ -100,3 +100,38 @@ def test_nothing_to_do_takes_no_time():
 def test_a_gap_that_is_none_is_refused(rtol):
     with pytest.raises(ValueError, match=r"^rtol = .*: expected a positive, finite number"):
         min_time_transfer(0.0, 1.0, Limits(1.0, 1.0, 1.0, 9.0), rtol=rtol)
+
+
+def test_a_move_a_million_times_its_ramps_cruises():
+    limits = Limits(velocity=1.0, acceleration=(-2.0, 1.0), jerk=5.0, snap=100.0)
+    for method in ("optimal", "closed-form"):
+        move = min_time_move(1e7, limits, method=method)
+        assert 1e7 < move.duration < 1e7 + 10.0
+        assert move.violation(limits) < 1e-11
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        Limits(velocity=(0.0, 5.0), snap=300.0),
+        Limits(velocity=(0.0, 5.0), jerk=20.0, snap=300.0),
+        Limits(velocity=(0.0, 5.0), snap=(-10.0, 20.0)),
+    ],
+)
+def test_a_closed_form_under_a_bound_of_zero_is_proven(limits):
+    move = min_time_move(3.0, limits, method="closed-form")
+    proof = certify(move, limits)
+    assert 0.0 < proof.lower_bound <= move.duration * (1.0 + 1e-12)
+    assert proof.check()
+
+
+def test_a_long_duration_needs_the_share_of_its_fourth_power():
+    pairs = (-2.0, 1.0), (-4.0, 1.0), (-10.0, 5.0), (-100.0, 50.0)
+    limits = Limits.from_bounds(pairs)
+    shares = [
+        max(high / 50.0, -low / 100.0)
+        for low, high in (
+            min_time_move(2.0, limits, duration=time).extremes(4) for time in (50.0, 500.0)
+        )
+    ]
+    assert shares[0] == pytest.approx(1e4 * shares[1], rel=2e-3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import ceil, floor, inf, ldexp, log10
 
 import numpy as np
@@ -103,6 +104,10 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
 
 
 def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
+    problem, best = plan.search.problem, plan.search.best
+    if problem.at_rest and best is not None and best.time < time:
+        with np.errstate(all="ignore"):
+            return _gentlest(problem, plan.search.nodes, time, _slowed(best, time))
     search = _from(plan, time)
     if search.lower > time * (1.0 + _AT):
         raise _none(duration, "it is proven that there is none of this one" + _later(plan, time))
@@ -167,6 +172,7 @@ def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Rep
 
     On grids refined where the input switches, until the share hardly falls.
     """
+    problem = _narrowed(problem, motion)
     last = inf
     for _ in range(_ROUNDS):
         found = _with_least_share(problem, nodes, time, motion)
@@ -184,6 +190,21 @@ def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Rep
             nodes, _switching(problem, inputs, share * time**problem.order), None, inputs
         )
     return motion
+
+
+def _slowed(motion: Repaired, time: float) -> Repaired:
+    """Return a motion between rests slowed down as a whole."""
+    slower = time / motion.time
+    powers = slower ** np.arange(len(motion.states))
+    return Repaired(motion.durations * slower, motion.states / powers[:, None], time)
+
+
+def _narrowed(problem: WholeProblem, motion: Repaired) -> WholeProblem:
+    """Return the problem with no more of the highest bound than a motion needs."""
+    inputs = np.asarray(motion.states[-1], float)
+    share = min(max(inputs.max() / problem.upper[-1], inputs.min() / problem.lower[-1]), 1.0)
+    factors = np.append(np.ones(problem.order), share)
+    return replace(problem, lower=problem.lower * factors, upper=problem.upper * factors)
 
 
 def _switching(problem: WholeProblem, inputs: FloatArray, unit: float) -> NDArray[np.intp]:

@@ -112,6 +112,14 @@ def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
 
 def warn_if_far(plan: Plan, rtol: float, duration: float, stacklevel: int = 4) -> None:
     """Warn where the gap that was asked for is not reached: what is known holds."""
+    if not plan.lower_bound > 0.0:
+        warnings.warn(
+            "nothing is proven of how near this motion is to the minimum time: its numbers end "
+            "where doubles do; choose units in which they are larger",
+            RuntimeWarning,
+            stacklevel=stacklevel,
+        )
+        return
     gap = duration / plan.lower_bound - 1.0
     if gap > rtol * (1.0 + 1e-9):
         warnings.warn(

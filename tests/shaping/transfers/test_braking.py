@@ -84,3 +84,51 @@ def test_no_start_ahead_of_a_distant_end_turns_round(v, bound, a, j, target):
     assert transfer.extremes("velocity")[0] >= -1e-9 * max(v, bound), text
     later = np.linspace(transfer.inside_after, transfer.duration, 200)
     assert transfer(later, "velocity").max() <= bound * (1.0 + 1e-9), text
+
+
+BEYOND = [  # starts beyond the velocity bound: braking just to the bound is a knife edge
+    (
+        (1.4925736265396559, 11.415631057207156),
+        (0.0, -1.5249352367121851),
+        Limits((-37.05855032011377, 9.426392535917596), (-0.05903208918369911, 5.157110503909153)),
+    ),
+    (
+        (0.0, 1.6948168842227074),
+        (-1.6855763704959026, -1.494833585462695),
+        Limits(
+            (-1.7440891339462627, 0.16257126968780317), (-0.04158410613253106, 4.29277042367587)
+        ),
+    ),
+    (
+        (0.0, 0.43556402589192966, 0.0),
+        (0.0, -0.351911527237597, 0.0),
+        Limits(
+            (-2.3888831605758383, 0.11200560919312841),
+            (-5.39643606489093, 3.62087803855283),
+            (-6.142915947889799, 3.834107842395843),
+        ),
+    ),
+]
+
+
+@pytest.mark.parametrize(("start", "end", "limits"), BEYOND)
+def test_the_last_digit_of_a_start_beyond_its_bound_changes_no_more_than_that(start, end, limits):
+    found = [
+        min_time_transfer((start[0], np.nextafter(start[1], way), *start[2:]), end, limits).duration
+        for way in (0.0, start[1], 100.0)
+    ]
+    assert max(found) - min(found) < 1e-9 * max(found)
+
+
+@pytest.mark.parametrize(("start", "end", "limits"), BEYOND)
+def test_a_motion_is_inside_from_when_its_bounds_are_kept_for_good(start, end, limits):
+    found = min_time_transfer(start, end, limits)
+    times = np.linspace(0.0, found.duration, 200_001)
+    outside = np.zeros_like(times, dtype=bool)
+    for k in (1, 2):
+        low, high = limits.bounds(k)
+        slack = 1e-9 * max(-low, high)
+        values = found(times, k)
+        outside |= (values > high + slack) | (values < low - slack)
+    last = times[outside][-1]
+    assert found.inside_after == pytest.approx(last, abs=2e-5 * found.duration)
