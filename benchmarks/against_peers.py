@@ -17,8 +17,8 @@ from functools import partial
 from statistics import median
 
 import numpy as np
-from minimum_time import PROOF, random_moves
 from peers import PLANNERS, Move, Plan
+from symmetric_moves import PROOF, random_moves
 from timing import side_by_side, table
 
 from jounce.shaping import Limits, certify, min_time_move
