@@ -11,6 +11,11 @@ MAX_DOUBLE = 1.7976931348623157e308
 LEAST_POSITIVE = 2.2250738585072014e-308
 
 _NOT_IN_XML = re.compile("[\x00-\x1f\ud800-\udfff\ufffe\uffff]")
+_WORDS_OF_C = re.compile(
+    r"auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|"
+    r"inline|int|long|register|restrict|return|short|signed|sizeof|static|struct|switch|typedef|"
+    r"union|unsigned|void|volatile|while"
+)
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")
 
 
@@ -139,6 +144,8 @@ class Block:
                 f"name = {self.name!r}: expected a C identifier of at most 61 characters (letters, "
                 "digits and _, no digit first)"
             )
+        if _WORDS_OF_C.fullmatch(self.name):
+            raise ValueError(f"name = {self.name!r}: is a word of C; use another, as {self.name}_1")
         if _RESERVED.fullmatch(self.name):
             raise ValueError(f"name = {self.name!r}: Windows reserves it for a device; use another")
         for variable in self.variables:

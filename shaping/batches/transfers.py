@@ -170,11 +170,16 @@ def _shape(*shapes: Shape) -> Shape:
 
 
 def _states(name: str, given: ArrayLike, order: int) -> FloatArray:
-    """Return states (…, order), what is left out filled with zeros."""
+    """Return states (…, order), what is left out filled with zeros.
+
+    The derivative of this order, which is not used, may follow, as in `min_time_transfer`.
+    """
     states = np.atleast_1d(finite_numbers(name, given))
     if not states.size:
         states = np.empty((0, order))
     missing = order - states.shape[-1]
+    if missing == -1:
+        return np.ascontiguousarray(states[..., :order])
     if missing < 0:
         raise ValueError(
             f"{name} of shape {states.shape}: expected (N, {order}) or ({order},), position first"

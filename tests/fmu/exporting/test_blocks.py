@@ -18,7 +18,9 @@ from jounce.plant import Inertia
 from jounce.shaping import JerkFilter, Limits
 
 
-@pytest.mark.parametrize("name", ["", "1st", "a b", "a-b", "é", "../x", "x" * 62, "NUL", "com1"])
+@pytest.mark.parametrize(
+    "name", ["", "1st", "a b", "a-b", "é", "../x", "x" * 62, "NUL", "com1", "int"]
+)
 def test_a_name_that_is_no_identifier_is_refused(name):
     with pytest.raises(ValueError, match="name = "):
         block_of(Inertia(1.0), name=name)

@@ -308,7 +308,7 @@ def test_the_given_arrays_are_copied():
     [
         ({"starts": [nan]}, "^starts must be finite"),
         ({"ends": [[1.0], [inf]]}, "^ends must be finite"),
-        ({"starts": np.zeros((2, 3))}, r"^starts of shape \(2, 3\): expected \(N, 2\) or \(2,\)"),
+        ({"starts": np.zeros((2, 4))}, r"^starts of shape \(2, 4\): expected \(N, 2\) or \(2,\)"),
         (
             {"starts": np.zeros((2, 2)), "ends": np.zeros((3, 2))},
             r"^starts, ends and limits of \(2,\), \(3,\) and \(\) problems do not fit",
@@ -354,3 +354,9 @@ def test_a_transfer_that_leaves_the_range_is_named(starts, ends, limits):
         ValueError, match=r"^the duration or a state of transfer 1 leaves the range"
     ):
         min_time_transfers(starts, ends, limits)
+
+
+def test_the_derivative_behind_those_of_a_state_may_follow_as_alone():
+    limits = Limits(1.0, 1.0)
+    found = min_time_transfers([[0.0, 0.5, 0.0]], [[2.0, 0.0, 0.0]], limits)
+    assert found.duration[0] == min_time_transfer((0.0, 0.5, 0.0), (2.0,), limits).duration
