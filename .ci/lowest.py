@@ -12,4 +12,4 @@ for requirement in [
     name, bounded, rest = requirement.partition(">=")
     if not bounded:
         raise SystemExit(f"{requirement!r} in pyproject.toml: expected a lowest release, name>=1.2")
-    print(f"{name}=={rest}")
+    print(f"{name.partition('[')[0]}=={rest}")  # constraints have no extras
