@@ -32,7 +32,7 @@ test-slow: $(VENV)/.installed-dev
 
 # The explorer's whole page, in Chromium, which has to be on the path.
 test-browser: $(VENV)/.installed-dev
-	JOUNCE_BROWSER=required $(BIN)/python -m pytest tests/app/explorer/test_whole_page.py
+	JOUNCE_BROWSER=required $(BIN)/python -m pytest tests/app/explorer/test_page.py tests/app/explorer/test_whole_page.py
 
 # Random problems in C under sanitizers; what fails is printed so that Python can try it.
 CC := $(or $(shell command -v gcc || command -v clang),$(BIN)/python -m ziglang cc)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..checks import finite, state_numbers
-from ..limits import Limits
+from ..limits import Limits, check_plain, of_one
 from ..real_numbers import shown
 from ..trajectory import Trajectory
 from .problem import State, Transfer, checked_numbers
@@ -45,6 +45,7 @@ def tracking_transfer(start: State, target: State, limits: Limits) -> Transfer:
     >>> bool(abs(onto(later) - (1.0 + 0.5 * later)) < 1e-12)
     True
     """
+    check_plain(of_one(limits))
     x, v, *others = *checked_numbers("start", start, limits), 0.0
     numbers = state_numbers("target", target)
     if len(numbers) != 2:

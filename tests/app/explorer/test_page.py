@@ -3,7 +3,7 @@
 from explored import NOTCH
 from explorer_pages import at_rest, drag, field, margins, needs_browser, shown
 
-needs_browser()
+needs_browser(whole=True)
 
 
 def test_a_dragged_notch_shows_the_margins_that_python_has(page, path):

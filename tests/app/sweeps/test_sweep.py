@@ -95,7 +95,7 @@ STOPPED = """
 import sys
 from jounce.app import Uniform, sweep
 if __name__ == "__main__":
-    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=4000,
+    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=640,
           figures=["phase_margin"], output=sys.argv[2], workers=1)
 """
 
@@ -105,14 +105,14 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
     script.write_text(STOPPED, encoding="utf-8")
     process = subprocess.Popen([sys.executable, script, axis, folder])
     deadline = time.monotonic() + 60.0
-    while done_in(folder) < 64:
+    while done_in(folder) < 32:
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.05)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     before = done_in(folder)
-    assert 64 <= before < 4000
+    assert 32 <= before < 640
     seen = []
 
     from jounce.app.sweeps.figures import Problem
@@ -123,10 +123,8 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Problem, "evaluate", counted)
     parameters = {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}
-    whole = sweep(
-        axis, parameters, samples=4000, figures=["phase_margin"], output=folder, workers=1
-    )
-    assert len(seen) == 4000 - before
+    whole = sweep(axis, parameters, samples=640, figures=["phase_margin"], output=folder, workers=1)
+    assert len(seen) == 640 - before
     assert whole.dataset["done"].values.all()
     assert (whole.values("phase_margin") > 10.0).sum() == before
 
@@ -151,7 +149,7 @@ def test_sobol_s_indices_find_what_matters(axis):
         "plant.inertia": LogUniform("1.8 kg m^2", "2.2 kg m^2"),
         "plant.modes.top.damping": Uniform("1 %", "3 %"),
     }
-    found = sweep(axis, keys, figures=["crossover"], samples=16, design="sensitivity", workers=1)
+    found = sweep(axis, keys, figures=["crossover"], samples=8, design="sensitivity", workers=1)
     indices = found.influences("crossover")
     assert indices["plant.inertia"].first > 0.9
     assert indices["plant.modes.top.damping"].total < 0.05
