@@ -149,7 +149,7 @@ def test_sobol_s_indices_find_what_matters(axis):
         "plant.inertia": LogUniform("1.8 kg m^2", "2.2 kg m^2"),
         "plant.modes.top.damping": Uniform("1 %", "3 %"),
     }
-    found = sweep(axis, keys, figures=["crossover"], samples=8, design="sensitivity", workers=1)
+    found = sweep(axis, keys, figures=["crossover"], samples=16, design="sensitivity", workers=1)
     indices = found.influences("crossover")
     assert indices["plant.inertia"].first > 0.9
     assert indices["plant.modes.top.damping"].total < 0.05
