@@ -12,7 +12,7 @@ from hypothesis import settings
 # of OpenBLAS only spin while the other workers of xdist would compute.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-settings.register_profile("fast", derandomize=True, deadline=None, max_examples=12)
+settings.register_profile("fast", derandomize=True, deadline=None, max_examples=9)
 settings.register_profile("slow", deadline=None, max_examples=1000, print_blob=True)
 settings.load_profile("slow" if os.environ.get("JOUNCE_TIER") == "slow" else "fast")
 
