@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from ..analysis.specification import Bound, Mode, Move, Requirement, Specification
+from ..analysis.specification import Bound, Labels, Mode, Move, Requirement, Specification
 from ..shaping.frozen import Frozen
 from ..shaping.told import Told
 from . import scenario_checks as checks
@@ -133,6 +133,11 @@ class Scenario(Told, Frozen):
     def position_scale(self) -> float:
         """SI value, in rad or m, of one `position_unit`."""
         return counted_factor(self.position_unit, self.counted)
+
+    @property
+    def labels(self) -> Labels:
+        """How what is found of it is told."""
+        return Labels(self.title, self.motion, self.position_unit, self.position_scale)
 
 
 def load_scenario(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from ..analysis.measured import MeasuredResponse, read_frf
-from ..analysis.specification import Labels, Requirement
+from ..analysis.specification import Requirement
 from ..analysis.survey_of_data import MeasuredSurvey, measured_survey
 from ..analysis.unstable_loop import UnstableLoopError
 from .scenario import Scenario
@@ -43,13 +43,12 @@ def survey_measured(
     Errors name its file.
     """
     measured, controller = measured_loop_of(scenario)
-    shown = scenario.motion, scenario.position_unit, scenario.position_scale
     try:
         found = measured_survey(
             measured,
             controller,
             requirements=scenario.requirements if requirements is None else requirements,
-            labels=Labels(scenario.title, *shown),
+            labels=scenario.labels,
         )
     except ValueError as error:
         kind = UnstableLoopError if isinstance(error, UnstableLoopError) else ValueError

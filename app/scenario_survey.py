@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from ..analysis.loop_survey import Survey, survey
-from ..analysis.specification import Labels
 from ..analysis.unstable_loop import UnstableLoopError
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
@@ -69,7 +68,6 @@ def survey_file(
     if scenario.body == "frf":
         return survey_measured(scenario)
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
-    shown = scenario.motion, scenario.position_unit, scenario.position_scale
     try:
         found = survey(
             loop,
@@ -79,7 +77,7 @@ def survey_file(
             specification=scenario.specification,
             inertia_error=scenario.inertia_error,
             **survey_conditions(scenario),
-            labels=Labels(scenario.title, *shown),
+            labels=scenario.labels,
         )
     except ValueError as error:
         kind = UnstableLoopError if isinstance(error, UnstableLoopError) else ValueError

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...analysis.partial_survey import PartialSurvey
-from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Labels, Requirement
+from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
 from ...plant import PID, as_controller
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import survey_conditions
@@ -47,7 +47,7 @@ class Problem:
 
     def scenario(self, values: Sequence[object]) -> Scenario:
         """Return the scenario at a point."""
-        return self._with(self.overrides(values))
+        return self.with_overrides(self.overrides(values))
 
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
@@ -57,7 +57,7 @@ class Problem:
         """
         try:
             scenario = self.scenario(values)
-            labels = labels_of(scenario)
+            labels = scenario.labels
             asked = [requirement_of(name) for name in self.figures]
             found = [
                 value / labels.unit_of(each.unit)[1]
@@ -67,7 +67,8 @@ class Problem:
             return (nan,) * len(self.figures), str(error)
         return tuple(found), ""
 
-    def _with(self, overrides: Mapping[str, object]) -> Scenario:
+    def with_overrides(self, overrides: Mapping[str, object]) -> Scenario:
+        """Return the scenario with values in place of the file's."""
         return scenario_of(self.path, deepcopy(dict(self.content)), overrides)
 
     def _gains(self, given: Mapping[str, object]) -> dict[str, str] | None:
@@ -75,7 +76,7 @@ class Problem:
         believed = {key: value for key, value in given.items() if not key.startswith("plant.")}
         key = tuple(believed.items())
         if key not in self._designed:
-            self._designed[key] = _designed_gains(self._with(believed))
+            self._designed[key] = _designed_gains(self.with_overrides(believed))
         known: dict[str, str] | None = self._designed[key]
         return known
 
@@ -104,11 +105,6 @@ def _designed_gains(scenario: Scenario) -> dict[str, str] | None:
         "ki": f"{law.ki!r} {torque}/({per} s)",
         "kr": f"{law.kr!r} {torque} s/{per}",
     }
-
-
-def labels_of(scenario: Scenario) -> Labels:
-    """Return how the figures of a scenario are told."""
-    return Labels(scenario.title, scenario.motion, scenario.position_unit, scenario.position_scale)
 
 
 def requirement_of(name: str) -> Requirement:

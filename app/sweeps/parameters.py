@@ -91,8 +91,7 @@ class Parameter:
         self.choices: tuple[Any, ...] = ()
         self.unit = ""
         if self.range is not None:
-            first = vars(self.range)[next(iter(vars(self.range)))]
-            self.unit = _split(first)[1]
+            self.unit = _split(next(_values(self.range)))[1]
         else:
             self.choices = _listed(key, given)
             self._name_units()

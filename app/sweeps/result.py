@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ...analysis.sweep_result import SweepResult
 from ..overrides import override
-from ..scenario import Scenario, scenario_of
+from ..scenario import Scenario
 from .figures import Problem
 from .store import NEEDS
 
@@ -40,8 +40,7 @@ class Case:
     @property
     def scenario(self) -> Scenario:
         """The scenario of this point."""
-        content = dict(json.loads(json.dumps(self.problem.content)))
-        return scenario_of(self.problem.path, content, self.overrides)
+        return self.problem.with_overrides(self.overrides)
 
     def save(self, path: str | Path) -> None:
         """Write the scenario to a file that gives these figures; FileExistsError if it is there."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...analysis.specification import FIGURES
 from ..scenario import load_scenario, read_content
-from .figures import Problem, check_figures, labels_of
+from .figures import Problem, check_figures
 from .parameters import Parameter, parameters_of
 from .progress import shown_progress
 from .result import ScenarioSweep
@@ -130,7 +130,7 @@ def _empty(
         import zarr  # noqa: F401 (else it fails after the work)
     except ImportError:
         raise ImportError(NEEDS) from None
-    count, labels = len(points), labels_of(nominal)
+    count, labels = len(points), nominal.labels
     columns = {
         parameter.key: (
             "point",
