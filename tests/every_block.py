@@ -3,6 +3,7 @@
 import control
 
 from jounce.fmu import DigitalController, SampledController, SampledLoop, SampledShaper
+from jounce.fmu.exporting.delayed_axis import delayed_axis_block
 from jounce.plant import (
     PID,
     Axis,
@@ -106,6 +107,12 @@ def limited_axis():
     return Axis(2.0, spring=1.0, torque_limit=6.0, sensor="load")
 
 
+def delayed_axis():
+    """Return an axis as it stands in an SSP, behind a delay of more than a sample."""
+    running = Controller(PID(1.0, 1.0, 1.0), sample_time=1e-3, delay=1.4e-3)
+    return delayed_axis_block(limited_axis(), running, "delayed_axis", "1", position=0.0)
+
+
 def digital_pid():
     """Return a PID with filters, as it is given alone."""
     law = PID(900.0, 4000.0, 80.0, derivative_filter=3e-4)
@@ -171,6 +178,7 @@ BLOCKS = {
         sticking_axis,
         rippling_axis,
         limited_axis,
+        delayed_axis,
         digital_pid,
         digital_cascade,
         digital_loop,

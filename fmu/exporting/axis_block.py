@@ -38,17 +38,7 @@ def axis_block(axis: Axis, name: str, unit: str) -> Block:
     if not _kinds(axis):
         return linear_block(axis.system(), name, linear_units(axis, unit))
     layout, hybrid = events_of(axis)
-    torque = units.effort(unit)
-    limit = []
-    if isfinite(axis.torque_limit):
-        limit = [
-            parameter("torque_limit", "Limit", axis.torque_limit, torque, minimum=LEAST_POSITIVE)
-        ]
-    inputs = [
-        signal("u", "Torque command, held during each step", torque),
-        signal("d_motor", "Torque that disturbs the motor, held during each step", torque),
-        signal("d_load", "Torque that disturbs the load, held during each step", torque),
-    ]
+    limit, inputs = limit_of(axis, unit), torques_of(unit)
     states = axis_states(axis, unit, 0.0)
     known = [own.name for own in (*limit, *inputs, *states)]
     variables = [*limit, *inputs, *axis_outputs(axis, layout, unit, known), *states]
@@ -74,6 +64,24 @@ def axis_block(axis: Axis, name: str, unit: str) -> Block:
             "is the controller's matter.",
         ),
     )
+
+
+def limit_of(axis: Axis, unit: str) -> list[Variable]:
+    """Return the parameter of a torque limit, where there is one."""
+    if not isfinite(axis.torque_limit):
+        return []
+    told = ("torque_limit", "Limit", axis.torque_limit, units.effort(unit))
+    return [parameter(*told, minimum=LEAST_POSITIVE)]
+
+
+def torques_of(unit: str) -> list[Variable]:
+    """Return the torques on drive, motor and load as inputs."""
+    told = (
+        ("u", "Torque command, held during each step"),
+        ("d_motor", "Torque that disturbs the motor, held during each step"),
+        ("d_load", "Torque that disturbs the load, held during each step"),
+    )
+    return [signal(*own, units.effort(unit)) for own in told]
 
 
 def _kinds(axis: Axis) -> list[str]:

@@ -89,6 +89,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
         | event_constants(axis, hybrid, variables, steps)
         | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
         | {
+            "V_ACTING": "V_U",
             "OWN_DELAY": repr(delay),
             "OWN_LEAD": repr(digital.feedforward.lead),
             "N_WAITING": str(waiting),

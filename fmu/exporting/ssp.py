@@ -68,7 +68,8 @@ def export_ssp(
 
     The components are `controller` (sampled every dt), `plant`, `filter` if there is one, and
     `shaper`; with a feedforward that looks ahead `ahead`, too. The plant starts at rest where the
-    trajectory starts. A digital controller runs as it is, on an axis with friction and all.
+    trajectory starts. A digital controller runs as it is, on an axis with friction and all; its
+    computing delay, of any length, is the plant's, on which each torque acts so much later.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def export_ssp(
         Of order 2 or more; behind a jerk filter, of any. Of a digital loop, of the order of its
         feedforward.
     loop : ServoLoop
-        A PID on a linear plant, or a digital loop without computing delay.
+        A PID on a linear plant, or a digital loop.
     dt : float, optional
         Sample time of the controller, which should be the host's step. Default: the digital
         controller's.
@@ -107,10 +108,10 @@ def export_ssp(
     Notes
     -----
     SSP does not say in which order a host steps. Stepped in the order of the file (Gauss-Seidel),
-    the loop is the sampled loop of `ServoLoop.sampled_loop_transfer` without delay; a host that
-    steps all at once (Jacobi) adds one sample of delay; in its first step acts the torque that the
-    controller shows after initialisation. The description in the file says so. libcosim, Ecos and
-    FMPy step all at once (FMPy from zero torque).
+    the loop is the sampled loop of `ServoLoop.sampled_loop_transfer` with its own delay, which
+    `ServoLoop.respond` runs; a host that steps all at once (Jacobi) adds one sample of delay; in
+    its first step acts the torque that the controller shows after initialisation. The description
+    in the file says so. libcosim, Ecos and FMPy step all at once (FMPy from zero torque).
 
     References
     ----------

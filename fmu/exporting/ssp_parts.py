@@ -11,6 +11,7 @@ from ...plant.pid import PID
 from ...plant.servo_loop import ServoLoop
 from .axis_block import rest_at
 from .blocks import Block, Variable
+from .delayed_axis import delayed_axis_block
 from .digital_block import command_name
 from .digital_controller import DigitalController
 from .dispatch import block_of
@@ -63,20 +64,11 @@ def _pid_parts(sampled: SampledLoop, unit: str) -> Parts:
 
 def _digital_parts(sampled: SampledLoop, unit: str) -> Parts:
     """Return a digital controller, its axis, and what commands it."""
-    trajectory, axis = sampled.trajectory, sampled.loop.axis
+    trajectory = sampled.trajectory
     digital = DigitalController.of(sampled.loop, trajectory)
-    if digital.controller.delay:
-        raise ValueError(
-            f"delay = {digital.controller.delay!r}: an SSP cannot say when a torque acts between "
-            "two steps; export the loop as one FMU, SampledLoop(trajectory, loop)"
-        )
-    plant = block_of(axis, name="plant", unit=unit)
     shaper = block_of(trajectory, name="shaper", unit=unit)
-    blocks: dict[str, Any] = {
-        "controller": digital,
-        "plant": rest_at(plant, axis, float(trajectory.start_state[0])),
-        "shaper": shaper,
-    }
+    plant = _axis(sampled.loop, unit, float(trajectory.start_state[0]))
+    blocks: dict[str, Any] = {"controller": digital, "plant": plant, "shaper": shaper}
     connections = [("controller.u", "plant.u"), ("plant.y", "controller.y")]
     connections += [("plant.y_motor", "controller.y_motor")] * digital.two_encoders
     moving = [(own.name, command_name(k)) for k, own in enumerate(shaper.outputs)]
@@ -88,6 +80,14 @@ def _digital_parts(sampled: SampledLoop, unit: str) -> Parts:
         )
         connections += [(f"ahead.{own}", f"controller.{to}_ahead") for own, to in moving]
     return blocks, connections
+
+
+def _axis(loop: ServoLoop, unit: str, start: float) -> Block:
+    """Return the axis of a digital loop, with the computing delay if there is one, at rest."""
+    axis, controller = loop.axis, loop.controller_noun
+    if controller.delay:
+        return delayed_axis_block(axis, controller, "plant", unit, position=start)
+    return rest_at(block_of(axis, name="plant", unit=unit), axis, start)
 
 
 def _plant(loop: ServoLoop, unit: str, start: float) -> Block:

@@ -12,6 +12,7 @@ from tiers import some
 
 from jounce.fmu import SampledLoop, export_ssp, load_ssp
 from jounce.fmu.exporting import export_c as writing
+from jounce.fmu.exporting.delayed_axis import delayed_axis_block
 from jounce.plant import (
     PID,
     Axis,
@@ -19,7 +20,6 @@ from jounce.plant import (
     Clamp,
     Controller,
     Feedforward,
-    FlexibleMode,
     Friction,
     Inertia,
     InertiaFeedforward,
@@ -198,9 +198,16 @@ def test_it_goes_on_from_a_snapshot_to_the_last_bit(make, version):
     host.close()
 
 
-@pytest.mark.parametrize(
-    "make", [chain, sampled_inertia, ahead], ids=["chain", "inertia", "two encoders, ahead"]
-)
+def slow_computer():
+    """Return a loop on friction whose torques act three samples and a fraction later."""
+    running = loop_of(Axis(2.0, friction=Friction(0.8), torque_limit=8.0), delay=3.3 * DT)
+    return SampledLoop(move(), running)
+
+
+SSPS = (any_system, chain, sampled_inertia, ahead, drive, slow_computer, every_block.digital_loop)
+
+
+@pytest.mark.parametrize("make", some(SSPS, 3), ids=lambda make: make.__name__)
 def test_the_ssp_is_the_simulation_in_its_own_order(make, tmp_path):
     sampled = make()
     made = export_ssp(tmp_path / "loop.ssp", sampled.trajectory, sampled.loop, platforms=["host"])
@@ -269,8 +276,22 @@ def test_what_cannot_leave_is_named_with_a_remedy(name):
     assert "\n" not in str(refused.value)
 
 
-def test_an_ssp_has_no_delay(tmp_path):
-    loop = loop_of(Axis(2.0, modes=[FlexibleMode(40.0, load_fraction=0.3)]), delay=0.5e-3)
-    with pytest.raises(ValueError, match=r"delay = 0\.0005: an SSP .* export the loop as one FMU"):
-        export_ssp(tmp_path / "loop.ssp", move(), loop)
-    assert not list(tmp_path.iterdir())
+def delayed_mass():
+    running = Controller(PID(1.0, 1.0, 1.0), sample_time=0.1, delay=0.22)
+    return delayed_axis_block(Axis(2.0, torque_limit=4.0), running, "plant", "rad", position=1.0)
+
+
+def test_a_torque_acts_later_by_the_delay_whatever_the_steps():
+    """On a free mass, pushed 2.2 samples later by torques of 5, 3 and 0, held in between."""
+    host = Host(fmu_of(delayed_mass, "3.0")).run(u=5.0)
+    shown = host.record([0.1], "u_acting", "y")
+    for push, steps in ((3.0, [0.04, 0.06]), (0.0, [0.05, 0.02, 0.03, 0.3])):
+        host.set(u=push)
+        shown = np.append(shown, host.record(steps, "u_acting", "y"), axis=1)
+    ends = np.cumsum([0.1, 0.04, 0.06, 0.05, 0.02, 0.03, 0.3])
+    on = np.clip(ends[:, None] - [0.22, 0.32], 0.0, 0.1)  # 4 (limited), then 3, each for a sample
+    far = np.maximum(ends[:, None] - [0.32, 0.42], 0.0)
+    moved = np.array([2.0, 1.5]) * (0.5 * on**2 + on * far)
+    np.testing.assert_allclose(shown[1], 1.0 + moved.sum(axis=1), rtol=1e-14)
+    np.testing.assert_array_equal(shown[0], [0.0, 0.0, 0.0, 4.0, 4.0, 4.0, 0.0])
+    host.close()
