@@ -36,6 +36,9 @@ from .scenario_asked import (
 from .scenario_kinds import SIDEREAL, density_kind
 from .units import factor
 
+_FOLLOWED = 3
+"""Up to this order a follower keeps bounds itself; its motion is averaged for those above."""
+
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
     """Return what `survey` takes of a scenario besides loop and moves, by its keywords."""
@@ -196,8 +199,10 @@ def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
     """Return what a follower makes of the positions in a file beside the scenario."""
     times, positions = _columns(file.path, file.time, file.position, scenario)
     scale = counted_factor(file.unit or scenario.position_unit, scenario.counted)
-    follower = CommandFollower(_limits(file.limits, scenario), dt=file.sample_time)
-    return follow_commands(follower, times, scale * positions)
+    bounds = scenario.limit_sets[file.limits]
+    follower = CommandFollower(Limits.from_bounds(bounds[:_FOLLOWED]), dt=file.sample_time)
+    within = _limits(file.limits, scenario) if len(bounds) > _FOLLOWED else None
+    return follow_commands(follower, times, scale * positions, within=within)
 
 
 def _columns(name: str, time: str, value: str, scenario: Scenario) -> tuple[Any, Any]:

@@ -68,6 +68,7 @@ def survey_file(
     if scenario.body == "frf":
         return survey_measured(scenario)
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
+    conditions = survey_conditions(scenario)
     try:
         found = survey(
             loop,
@@ -76,7 +77,7 @@ def survey_file(
             modes=scenario.modes,
             specification=scenario.specification,
             inertia_error=scenario.inertia_error,
-            **survey_conditions(scenario),
+            **conditions,
             labels=scenario.labels,
         )
     except ValueError as error:

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .averaged import averaged
 from .checks import of_kind
+from .derivatives import derivative_name
 from .followers import CommandFollower
+from .limits import Limits
 from .trajectory import Trajectory
 from .trajectory_checks import finite_array
 from .transfers.transfer import min_time_transfer
 
 
 def follow_commands(
-    follower: CommandFollower, times: ArrayLike, positions: ArrayLike
+    follower: CommandFollower,
+    times: ArrayLike,
+    positions: ArrayLike,
+    *,
+    within: Limits | None = None,
 ) -> Trajectory:
     """Return the motion with which a follower goes through positions commanded at times.
 
     At each of its samples, from the first time on, the last command that has begun is in force; the
-    last one until it is reached. The follower starts at rest at the first position.
+    last one until it is reached. The follower starts at rest at the first position. Within
+    limits of a higher order, as a feedforward of snap needs them, its motion is averaged once for
+    each order more, over as long as the bound asks for: it lags by half of that, and keeps them.
 
     Parameters
     ----------
@@ -26,6 +37,8 @@ def follow_commands(
         Without jerk filter or period.
     times, positions : (N,) array
         Increasing times, and positions, as `analysis.read_log(path)` reads them from a CSV file.
+    within : Limits, optional
+        Of the motion's order, with bounds on all derivatives above the follower's.
 
     Returns
     -------
@@ -35,7 +48,8 @@ def follow_commands(
     Raises
     ------
     ValueError
-        For times that do not increase, or numbers that are not finite.
+        For times that do not increase, numbers that are not finite, or a derivative without bound
+        between the follower's order and that of the limits.
 
     Examples
     --------
@@ -60,4 +74,25 @@ def follow_commands(
     motion = follower.trajectory(held, initial=follower.rest(float(given[0])))
     state = motion.end_state[: follower.order].tolist()
     rest = min_time_transfer(state, float(given[-1]), follower.limits)
-    return (motion.then(rest) if rest.duration else motion).delay(float(at[0]))
+    whole = (motion.then(rest) if rest.duration else motion).delay(float(at[0]))
+    return whole if within is None else _smoothed(whole, follower, within)
+
+
+def _smoothed(motion: Trajectory, follower: CommandFollower, within: Limits) -> Trajectory:
+    """Return a motion averaged so that its derivatives above the follower's keep their bounds.
+
+    Averaged over T, the next one is at most the span of the highest over T.
+    """
+    of_kind("within", within, Limits, "Limits(velocity=…, …, snap=…)")
+    below, above = follower.limits.bounds(follower.order)
+    for k in range(follower.order + 1, within.order + 1):
+        low, high = within.bounds(k)
+        least = min(high, -low)
+        if not 0.0 < least < inf:
+            raise ValueError(
+                f"{derivative_name(k)} from {low!r} to {high!r}: expected a bound in both "
+                f"directions, as the {derivative_name(within.order)} has one; give it"
+            )
+        motion = averaged(motion, (above - below) / least)
+        below, above = low, high
+    return motion

@@ -361,3 +361,25 @@ def test_what_cannot_be_run_is_one_line(write, text, line):
 def test_a_sine_is_a_disturbance_of_the_library_s_own(write):
     [held] = survey_conditions(load_scenario(write(LOOP + SINE)))["tracking"]
     assert held.disturbance == (TorqueSine(0.5, 3.0, on="motor"),)
+
+
+def test_an_exact_inverse_follows_a_file_within_limits_of_snap(write):
+    """Undamped it needs the snap, which a follower's motion has when it is averaged."""
+    mode = '[[plant.modes]]\nname = "a"\nfrequency = "20 Hz"\ndamping = "0 %"\n'
+    text = LOOP.replace("[controller]", mode + 'load_fraction = "40 %"\n[controller]')
+    text = text.replace('sample_time = "1 ms"\ndelay = "1 ms"\n', "")
+    text += '[feedforward]\ninverse = true\n[[tracking]]\nname = "way"\n'
+    text += f'file = {{path = "way.csv", unit = "deg"}}\n{LIMITS}'
+    path = write(text + 'snap = "8000 deg/s^4"\n')
+    path.with_name("way.csv").write_text("t,x\n0,0\n0.1,0.05\n0.2,0.3\n0.6,0.2\n")
+    [way] = survey_conditions(load_scenario(path))["tracking"]
+    assert way.command.order == 4
+    assert way.command.peak(4) <= 8000.0 * DEGREE * (1.0 + 1e-9)
+    assert survey_file(path).tracking[0].peak_error < 1e-12
+    for bounds, words in (
+        ("", "tracking 'way': snap of .* use limits up to snap at least"),
+        ('crackle = "1e6 deg/s^5"\n', "tracking 'way': snap from -inf to inf: expected a bound"),
+    ):
+        with pytest.raises(ValueError, match=words) as refused:
+            survey_file(write(text + bounds))
+        assert str(refused.value).count("case.toml") <= 1

@@ -1,5 +1,7 @@
 """Scans and transfers onto moving targets: constant velocity where it is promised, bounds kept."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,14 @@ from jounce.plant import PID, Inertia, InertiaFeedforward, Ramp, ServoLoop, Sine
 from jounce.shaping import (
     CommandFollower,
     Limits,
+    Trajectory,
     follow_commands,
     min_time_move,
     min_time_transfer,
     scan_move,
     tracking_transfer,
 )
+from jounce.shaping.averaged import averaged
 
 THIRD = Limits(velocity=2.0, acceleration=4.0, jerk=40.0)
 LOOP = ServoLoop(Inertia(1.0), PID(100.0, 100.0, 20.0), InertiaFeedforward(1.0))
@@ -110,6 +114,53 @@ def test_a_command_file_is_followed(limits, tmp_path):
     assert LOOP.respond(followed, 0.01).peak_error < 1e-12
 
 
+@pytest.mark.parametrize(
+    "within",
+    [
+        Limits(2.0, 4.0, 20.0, snap=300.0),
+        Limits(2.0, (-4.0, 3.0), (-20.0, 30.0), (-400.0, 300.0), crackle=2e4),
+    ],
+    ids=["snap", "crackle"],
+)
+def test_a_command_file_is_followed_within_limits_of_any_order(within):
+    """The follower's motion averaged: by quadrature; later by what the averages take."""
+    times, positions = [2.0, 2.5, 2.73, 4.0], [0.5, 1.5, 1.0, -1.0]
+    bounds = [within.bounds(k) for k in range(1, within.order + 1)]
+    follower = CommandFollower(Limits.from_bounds(bounds[:3]), dt=0.05)
+    bare = follow_commands(follower, times, positions)
+    smooth = follow_commands(follower, times, positions, within=within)
+    assert smooth.order == within.order
+    assert (smooth.start_time, smooth.start_state.tolist()[:4]) == (2.0, [0.5, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(smooth.end_state, [-1.0, *[0.0] * within.order], atol=1e-13)
+    windows = [
+        (below[1] - below[0]) / min(high, -low) for below, (low, high) in pairwise(bounds[2:])
+    ]
+    assert smooth.duration == pytest.approx(bare.duration + sum(windows), rel=1e-12)
+    for k, (low, high) in enumerate(bounds, start=1):
+        least, most = smooth.extremes(k)
+        assert low * (1 + 1e-9) <= least <= most <= high * (1 + 1e-9)
+    at = np.linspace(2.0, smooth.end_time, 40)
+    nodes, weights = np.polynomial.legendre.leggauss(100)
+    expected = np.zeros(len(at))
+    late = [0.5 * window * (1.0 + nodes) for window in windows]
+    grid = np.add.outer(late[0], late[1]) if len(windows) == 2 else late[0]
+    share = np.multiply.outer(weights, weights) if len(windows) == 2 else weights
+    for i, t in enumerate(at):
+        expected[i] = (share * bare(t - grid)).sum() / share.sum()
+    np.testing.assert_allclose(smooth(at), expected, rtol=0.0, atol=1e-6)
+    assert LOOP.respond(smooth, 0.01).peak_error < 1e-12
+
+
+def test_an_average_of_a_ramp_lags_by_half_the_window():
+    ramp = Trajectory([1.0, 2.0], [[3.0, 4.0, 0.0]]).delay(0.5)
+    mean = averaged(ramp, 0.25)
+    at = np.array([-3.0, 1.5, 1.6, 2.7, 90.0])
+    np.testing.assert_allclose(mean(at), ramp(at - 0.125), rtol=1e-14)
+    for window in (0.0, -1.0, np.nan, 1e-320, 1e300):
+        with pytest.raises(ValueError, match=r"window = .*expected"):
+            averaged(ramp, window)
+
+
 def test_one_command_is_a_point():
     still = follow_commands(CommandFollower(THIRD, dt=0.1), [3.0], [0.7])
     assert (still.start_time, float(still(3.05)), still.end_state[0]) == (3.0, 0.7, 0.7)
@@ -127,6 +178,12 @@ def test_one_command_is_a_point():
         (
             lambda: follow_commands(CommandFollower(THIRD, dt=0.1), [1.0, 1.0], [1.0, 2.0]),
             "increasing times",
+        ),
+        (
+            lambda: follow_commands(
+                CommandFollower(THIRD, dt=0.1), [0.0], [1.0], within=Limits(1.0, crackle=9.0)
+            ),
+            "snap from -inf to inf: expected a bound in both directions, as the crackle has",
         ),
     ],
 )
