@@ -17,6 +17,7 @@ from ..fmu import (
     export_c,
     export_fmu,
 )
+from ..fmu.exporting.inverse_block import inverse_trajectory_block
 from ..fmu.exporting.servo_block import check_bare_pid
 from ..plant import Controller, as_controller
 from ..shaping import CommandFollower, Limits, Trajectory
@@ -73,7 +74,7 @@ def export_block(
     ValueError
         For a move, or a part, that the scenario does not have; as `export_fmu` does.
     """
-    unit = "rad" if scenario.motion == "angle" else "m"
+    unit = _unit_of(scenario)
     notes = _chosen(scenario, block, move)
     if block == "loop":
         from ..fmu.exporting.ssp import export_ssp
@@ -131,10 +132,14 @@ def export_c_block(
     OSError
         As `export_c` does.
     """
-    unit = "rad" if scenario.motion == "angle" else "m"
+    unit = _unit_of(scenario)
     source, told = _source(scenario, block, dt, move)
     made = export_c(source, folder, name=block if name is None else name, unit=unit)
     return made, (*_chosen(scenario, block, move), *told)
+
+
+def _unit_of(scenario: Scenario) -> str:
+    return "rad" if scenario.motion == "angle" else "m"
 
 
 def _chosen(scenario: Scenario, block: str, move: str | None) -> tuple[str, ...]:
@@ -151,7 +156,7 @@ def _source(
 ) -> tuple[Any, tuple[str, ...]]:
     """Return what is to leave, and what is to be said of its sample time."""
     if block == "trajectory":
-        return trajectory_of(scenario, move), ()
+        return _trajectory(scenario, move), ()
     if block in ("follower", "shaper"):
         return _follower_of(scenario, dt, move), ()
     if block == "filter":
@@ -172,6 +177,20 @@ def _source(
         return DigitalController.of(loop), told
     check_bare_pid(loop)
     return SampledController(loop.controller_noun.law, dt, loop.feedforward), told  # type: ignore[arg-type]
+
+
+def _trajectory(scenario: Scenario, move: str | None) -> Any:
+    """Return a trajectory, with what the inverse of a damped axis remembers of it."""
+    motion = trajectory_of(scenario, move)
+    if not scenario.feedforward.inverse:
+        return motion
+    dynamics = servo_loop_of(scenario).feedforward_noun.dynamics
+    unit = _unit_of(scenario)
+    return (
+        motion
+        if dynamics is None
+        else inverse_trajectory_block(motion, dynamics, "trajectory", unit)
+    )
 
 
 def _controller_on_data(scenario: Scenario, dt: float) -> tuple[Any, tuple[str, ...]]:

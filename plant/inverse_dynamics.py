@@ -93,26 +93,37 @@ class InverseDynamics(Frozen):
                 total += self._behind_sine(part, begin, times)
         return total
 
-    def _behind_pieces(self, command: Trajectory, times: FloatArray) -> FloatArray:
-        a, b, c, d = self.matrices()
+    def behind(self, command: Trajectory) -> tuple[FloatArray, FloatArray]:
+        """Return what makes the states of `matrices` behind a piecewise polynomial.
+
+            x(t) = settled·(r^(derivative), …, r^(order))(t) + e^(A·(t − breaks[i]))·decaying[i]
+
+        from break i on; before the first x is 0.
+        """
+        a, b, _, _ = self.matrices()
         count = command.order - self.derivative + 1
-        settled = [-np.linalg.solve(a, b)]
+        columns = [-np.linalg.solve(a, b)]
         for _ in range(count - 1):
-            settled.append(np.linalg.solve(a, settled[-1]))
-        along = np.array(settled).T  # what r^(derivative), and those above it, settle to
+            columns.append(np.linalg.solve(a, columns[-1]))
+        settled = np.array(columns).T
         starts = np.vstack([command.states[:, self.derivative :], np.zeros(count)])
         every = range(self.derivative, command.order + 1)
         ends = evaluate(command.states.T, command.durations, every).T
         moved = _exponentials(a, command.durations)
-        off, state = np.zeros((len(starts), self.size)), np.zeros(self.size)
+        decaying, state = np.zeros((len(starts), self.size)), np.zeros(self.size)
         for i, change in enumerate(moved):
-            off[i] = state - along @ starts[i]
-            state = along @ ends[i] + change @ off[i]
-        off[-1] = state
+            decaying[i] = state - settled @ starts[i]
+            state = settled @ ends[i] + change @ decaying[i]
+        decaying[-1] = state
+        return settled, decaying
+
+    def _behind_pieces(self, command: Trajectory, times: FloatArray) -> FloatArray:
+        a, _, c, d = self.matrices()
+        settled, decaying = self.behind(command)
         piece = np.searchsorted(command.breaks, times, side="right") - 1
         fed = derivatives_of(command, times, command.order)[self.derivative :]
         after = _exponentials(a, np.maximum(times - command.breaks[piece], 0.0))
-        x = along @ fed + np.einsum("nij,nj->in", after, off[piece])
+        x = settled @ fed + np.einsum("nij,nj->in", after, decaying[piece])
         x[:, piece < 0] = 0.0
         return np.asarray(c @ x + np.outer(d, fed[0]))
 

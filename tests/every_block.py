@@ -4,6 +4,7 @@ import control
 
 from jounce.fmu import DigitalController, SampledController, SampledLoop, SampledShaper
 from jounce.fmu.exporting.delayed_axis import delayed_axis_block
+from jounce.fmu.exporting.inverse_block import inverse_trajectory_block
 from jounce.plant import (
     PID,
     Axis,
@@ -21,6 +22,7 @@ from jounce.plant import (
     Notch,
     Ripple,
     ServoLoop,
+    inverse_feedforward,
 )
 from jounce.shaping import CommandFollower, JerkFilter, Limits, input_shaper, min_time_move
 
@@ -113,6 +115,12 @@ def delayed_axis():
     return delayed_axis_block(limited_axis(), running, "delayed_axis", "1", position=0.0)
 
 
+def inverse_trajectory():
+    """Return a motion with what the inverse of a damped axis remembers of it, as in an SSP."""
+    dynamics = inverse_feedforward(flexible_inertia()).dynamics
+    return inverse_trajectory_block(trajectory(), dynamics, "inverse_trajectory", "1")
+
+
 def digital_pid():
     """Return a PID with filters, as it is given alone."""
     law = PID(900.0, 4000.0, 80.0, derivative_filter=3e-4)
@@ -179,6 +187,7 @@ BLOCKS = {
         rippling_axis,
         limited_axis,
         delayed_axis,
+        inverse_trajectory,
         digital_pid,
         digital_cascade,
         digital_loop,

@@ -24,6 +24,7 @@ from .blocks import (
     signal,
 )
 from .digital_controller import DigitalController
+from .inverse_block import remembered_of
 from .linear_blocks import table_rows
 from .loop_blocks import HELD
 from .motion_blocks import SAMPLING
@@ -41,8 +42,8 @@ _NUMBERS = (
 def digital_block(digital: DigitalController, name: str, unit: str) -> Block:
     """Return a digital controller as a block with a fixed sample time."""
     parameters, memory = tunables(digital, unit), memory_of(digital, unit)
-    now = commands(digital.order, unit)
-    ahead = commands(digital.order, unit, ahead=True) if digital.feedforward.lead else []
+    now = commands(digital, unit)
+    ahead = commands(digital, unit, ahead=True) if digital.feedforward.lead else []
     inputs = [*now, *ahead, signal("y", "Position measured", unit)]
     if digital.two_encoders:
         inputs.append(signal("y_motor", "Position of the motor, for its velocity", unit))
@@ -110,15 +111,17 @@ def _notes(digital: DigitalController) -> list[str]:
     return notes
 
 
-def commands(order: int, unit: str, *, ahead: bool = False) -> list[Variable]:
-    """Return the command and its derivatives as inputs."""
+def commands(digital: DigitalController, unit: str, *, ahead: bool = False) -> list[Variable]:
+    """Return the command, its derivatives, and what an inverse adds to them, as inputs."""
+    told = [
+        (command_name(k), f"{derivative_name(k).capitalize()} of the command", rate(unit, k))
+        for k in range(digital.order + 1)
+    ]
+    if digital.feedforward.dynamics is not None:
+        told += remembered_of(unit)
     return [
-        signal(
-            command_name(k) + "_ahead" * ahead,
-            f"{derivative_name(k).capitalize()} of the command{', a lead later' * ahead}",
-            rate(unit, k),
-        )
-        for k in range(order + 1)
+        signal(own + "_ahead" * ahead, text + ", a lead later" * ahead, of)
+        for own, text, of in told
     ]
 
 
@@ -208,6 +211,7 @@ def controller_constants(
             own[f"OWN_{key}"] = f"v[{place}]"
     return own | {
         "SAMPLE_TIME": repr(digital.dt),
+        "N_REMEMBERED": "0" if fed.dynamics is None else "2",
         "V_FED": "V_FEED_POSITION",
         "V_OWN": "V_STARTED",
     }
@@ -219,7 +223,10 @@ def _text(x: float) -> str:
 
 def controller_tables(digital: DigitalController) -> dict[str, list[object]]:
     """Return the arrays of digital.c."""
+    gains = digital.feedforward.position_gains(digital.order)
+    if digital.feedforward.dynamics is not None:
+        gains = np.append(gains, [0.0, 1.0])
     return {
         "filter_sections": table_rows(np.asarray(digital.controller.sections)),
-        "position_gains": table_rows(digital.feedforward.position_gains(digital.order)),
+        "position_gains": table_rows(gains),
     }

@@ -20,7 +20,8 @@ class DigitalController(Frozen):
     """A digital controller with all that runs in one sample of it, to be exported.
 
     Law, filters, feedforward of any derivative, torque limit, anti-windup, encoder: what
-    `ServoLoop.respond` runs, to the last bit.
+    `ServoLoop.respond` runs, to the last bit. What the exact inverse of a damped axis remembers of
+    the command are inputs of it, which the trajectory beside it in an SSP puts out.
 
     Parameters
     ----------
@@ -62,11 +63,6 @@ class DigitalController(Frozen):
         of_kind("controller", self.controller, Controller, "a Controller(law, sample_time=…)")
         check_digital(self.controller)
         object.__setattr__(self, "feedforward", as_feedforward(self.feedforward))
-        if self.feedforward.dynamics is not None:
-            raise ValueError(
-                "the exact inverse of a damped axis cannot leave: it remembers the command between "
-                'samples; give low_frequency_feedforward(axis), in a file inverse = "low-frequency"'
-            )
         limit = real_number("torque_limit", self.torque_limit)
         if not limit > 0.0:
             raise ValueError(f"torque_limit = {self.torque_limit!r}: expected a positive torque")

@@ -22,6 +22,7 @@ from .axis_block import (
 from .blocks import Block, Variable, output, sample_time_constant, signal
 from .digital_block import controller_constants, controller_tables, memory_of, tunables
 from .digital_controller import DigitalController
+from .inverse_block import inverse_constants, inverse_tables
 from .linear_blocks import table_rows
 from .motion_blocks import trajectory_block
 from .units import rate
@@ -55,6 +56,7 @@ def check_digital_loop(
 def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit: str) -> Block:
     """Return a digital loop on its way along a trajectory as one block."""
     axis, digital = loop.axis, DigitalController.of(loop, trajectory)
+    dynamics = digital.feedforward.dynamics
     delay, dt = digital.controller.delay, digital.dt
     motion = trajectory_block(trajectory, name, unit)
     layout, hybrid = events_of(axis)
@@ -84,7 +86,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
         name,
         "Servo loop: planned motion, digital controller, axis",
         tuple(variables),
-        "digital_loop",
+        "digital_loop" if dynamics is None else "inverse_loop",
         constants=controller_constants(digital, variables)
         | event_constants(axis, hybrid, variables, steps)
         | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
@@ -94,14 +96,16 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
             "OWN_LEAD": repr(digital.feedforward.lead),
             "N_WAITING": str(waiting),
             "HOLDING": repr(at_rest(axis, start)[1]),
-        },
+        }
+        | ({} if dynamics is None else inverse_constants(dynamics, trajectory)),
         tables={
             **motion.tables,
             **controller_tables(digital),
             **event_tables(axis, layout, hybrid),
             "seen_row": table_rows(layout.row(seen)),
             "moved_row": table_rows(layout.row(moved)),
-        },
+        }
+        | ({} if dynamics is None else inverse_tables(dynamics, trajectory)),
         memory=4 + waiting,
         work=event_work(layout, hybrid),
         sample_time=dt,

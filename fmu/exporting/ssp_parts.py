@@ -15,6 +15,7 @@ from .delayed_axis import delayed_axis_block
 from .digital_block import command_name
 from .digital_controller import DigitalController
 from .dispatch import block_of
+from .inverse_block import inverse_trajectory_block
 from .loop_blocks import SampledController
 from .servo_block import SampledLoop, plant_block, resting
 
@@ -66,13 +67,20 @@ def _digital_parts(sampled: SampledLoop, unit: str) -> Parts:
     """Return a digital controller, its axis, and what commands it."""
     trajectory = sampled.trajectory
     digital = DigitalController.of(sampled.loop, trajectory)
-    shaper = block_of(trajectory, name="shaper", unit=unit)
+    dynamics = digital.feedforward.dynamics
+    shaper = (
+        block_of(trajectory, name="shaper", unit=unit)
+        if dynamics is None
+        else inverse_trajectory_block(trajectory, dynamics, "shaper", unit)
+    )
     plant = _axis(sampled.loop, unit, float(trajectory.start_state[0]))
     blocks: dict[str, Any] = {"controller": digital, "plant": plant, "shaper": shaper}
     connections = [("controller.u", "plant.u"), ("plant.y", "controller.y")]
     connections += [("plant.y_motor", "controller.y_motor")] * digital.two_encoders
     moving = [(own.name, command_name(k)) for k, own in enumerate(shaper.outputs)]
     moving = moving[: digital.order + 1]
+    if dynamics is not None:
+        moving += [(own.name, own.name) for own in shaper.outputs[-2:]]
     connections += [(f"shaper.{own}", f"controller.{to}") for own, to in moving]
     if digital.feedforward.lead:
         blocks["ahead"] = _started(

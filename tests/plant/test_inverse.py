@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from jounce.fmu import DigitalController
 from jounce.plant import (
     PID,
     Axis,
@@ -305,7 +304,7 @@ def test_sines_and_sums_are_remembered_from_rest():
     np.testing.assert_allclose(both, found + dynamics.added(move, 0.0, times), rtol=1e-12)
 
 
-def test_what_remembers_is_a_transfer_function_and_leaves_with_its_command():
+def test_what_remembers_is_a_transfer_function_and_goes_with_its_command():
     axis = FlexibleInertia(J, 20.0, 0.05, load_fraction=LAM, sensor="load")
     inverse = inverse_feedforward(axis)
     s = 30.0 + 40.0j
@@ -319,9 +318,6 @@ def test_what_remembers_is_a_transfer_function_and_leaves_with_its_command():
         InverseDynamics(3, (2.0, 0.1), (1.0,), ())
     with pytest.raises(TypeError, match="dynamics = 3: expected InverseDynamics"):
         Feedforward(dynamics=3)
-    controller = Controller(PID(1.0, 1.0, 1.0), sample_time=1e-3)
-    with pytest.raises(ValueError, match=r"cannot leave: .*low_frequency_feedforward"):
-        DigitalController(controller, inverse)
 
 
 def test_a_digital_loop_runs_what_remembers_exactly():

@@ -2,14 +2,16 @@
 
 #include "controller.c"
 
-#define N_COMMAND (OWN_ORDER + 1) /* the command and its derivatives */
+/* The command, its derivatives, and what an inverse that remembers adds to torque and reference. */
+#define N_COMMAND (OWN_ORDER + 1 + N_REMEMBERED)
 
-static jounce_controller own_controller(const State *s) {
+/* Returns the controller; `fed` (N_COMMAND) becomes its torque per command. */
+static jounce_controller own_controller(const State *s, double *fed) {
     const double *v = s->value;
     jounce_controller own = {OWN_LAW,
                              OWN_ANTI_WINDUP,
                              OWN_SECTIONS,
-                             OWN_ORDER,
+                             N_COMMAND - 1,
                              OWN_DT,
                              OWN_KP,
                              OWN_KI,
@@ -25,6 +27,10 @@ static jounce_controller own_controller(const State *s) {
                              filter_sections[0],
                              position_gains,
                              NULL};
-    own.torque = v + V_FED;
+    int k;
+    for (k = 0; k < N_COMMAND; k++) {
+        fed[k] = k <= OWN_ORDER ? v[V_FED + k] : (double)(k == OWN_ORDER + 1);
+    }
+    own.torque = fed;
     return own;
 }

@@ -10,7 +10,8 @@ static void core_initialize(State *s) {
 /* One sample; `memory` is the controller's, and e, the torque asked for and u come out. */
 static void control(const State *s, double *memory, double *out) {
     const double *v = s->value;
-    jounce_controller own = own_controller(s);
+    double fed[N_COMMAND];
+    jounce_controller own = own_controller(s, fed);
     jounce_controller_sample(&own, memory, v[V_Y], v[V_MOVED], v + V_R, v + V_AHEAD, out);
 }
 

@@ -20,6 +20,7 @@ from jounce.plant import (
     Clamp,
     Controller,
     Feedforward,
+    FlexibleMode,
     Friction,
     Inertia,
     InertiaFeedforward,
@@ -30,6 +31,7 @@ from jounce.plant import (
     Sine,
     TorqueSteps,
     chain_axis,
+    inverse_feedforward,
     system_axis,
 )
 from jounce.plant.layout import at_rest
@@ -88,9 +90,18 @@ def cogging_back():
     return SampledLoop(move().scale(-1.0), loop_of(axis, delay=0.4e-3))
 
 
+def damped_inverse():
+    """Return a loop whose feedforward remembers three numbers of the command, and looks ahead."""
+    modes = [FlexibleMode(f, 0.02, load_fraction=x, held=True) for f, x in ((20.0, 0.4), (55, 0.1))]
+    axis = Axis(2.0, viscous=1.0, modes=modes, friction=Friction(0.5), sensor="both")
+    ahead = replace(inverse_feedforward(axis), lead=1.2e-3)
+    return SampledLoop(move(), loop_of(axis, feedforward=ahead, delay=0.7e-3))
+
+
 LOOPS = (
     every_block.digital_loop,
     drive,
+    damped_inverse,
     chain,
     any_system,
     sampled_inertia,
@@ -204,7 +215,16 @@ def slow_computer():
     return SampledLoop(move(), running)
 
 
-SSPS = (any_system, chain, sampled_inertia, ahead, drive, slow_computer, every_block.digital_loop)
+SSPS = (
+    damped_inverse,
+    any_system,
+    chain,
+    ahead,
+    sampled_inertia,
+    drive,
+    every_block.digital_loop,
+    slow_computer,
+)
 
 
 @pytest.mark.parametrize("make", some(SSPS, 3), ids=lambda make: make.__name__)
