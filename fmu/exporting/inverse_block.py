@@ -19,11 +19,10 @@ def inverse_trajectory_block(
 ) -> Block:
     """Return a trajectory with what the exact inverse of a damped axis remembers of it."""
     block = trajectory_block(trajectory, name, unit)
-    known = {
-        "dependencies": {"time": "dependent"},
-        "initial_dependencies": {"delay": "dependent"},
-    }
-    added = [output(*own, **known) for own in remembered_of(unit)]
+    on, at_first = {"time": "dependent"}, {"delay": "dependent"}
+    added = [
+        output(*own, dependencies=on, initial_dependencies=at_first) for own in remembered_of(unit)
+    ]
     return replace(
         block,
         description="Trajectory, and what the exact inverse of a damped axis remembers of it",
