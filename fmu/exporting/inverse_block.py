@@ -28,8 +28,8 @@ def inverse_trajectory_block(
         description="Trajectory, and what the exact inverse of a damped axis remembers of it",
         variables=(*block.variables, *added),
         core="inverse_trajectory",
-        constants=block.constants | inverse_constants(dynamics, trajectory),
-        tables=block.tables | inverse_tables(dynamics, trajectory),
+        constants={**block.constants, **inverse_constants(dynamics, trajectory)},
+        tables={**block.tables, **inverse_tables(dynamics, trajectory)},
     )
 
 
