@@ -2,39 +2,22 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from .block_choice import BLOCK_AS_C, check_move
+from .check_command import OVERRIDES
 from .fmu_options import seconds
 
 export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
 
 
-class FirmwareChoice(StrEnum):
-    """What of a scenario `jounce export c` writes."""
-
-    SHAPER = "shaper"
-    TRAJECTORY = "trajectory"
-    FOLLOWER = "follower"
-    FILTER = "filter"
-    CONTROLLER = "controller"
-    PLANT = "plant"
-    SERVO = "servo"
-
-
 @export_app.command("c")
 def export_c_command(
     scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
-    block: Annotated[
-        FirmwareChoice,
-        typer.Option(
-            help="What to export; shaper: the follower, which keeps a move's limits on the way "
-            "to any command; servo: the whole loop."
-        ),
-    ],
+    block: BLOCK_AS_C,
     output: Annotated[
         Path,
         typer.Option("--output", "-o", help="Folder to write: new, empty or an earlier export."),
@@ -52,19 +35,20 @@ def export_c_command(
             help="Of what has none of its own: a continuous controller, follower, shaper."
         ),
     ] = "1 ms",
+    overrides: OVERRIDES = None,
 ) -> None:
     """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""
+    from .overrides import read_overrides
     from .printing import print_parts
     from .scenario import load_scenario
-    from .scenario_blocks import OF_A_MOVE, export_c_block
+    from .scenario_blocks import export_c_block
 
-    if move is not None and block not in OF_A_MOVE:
-        raise ValueError(f"--move: a {block.value} belongs to no move; leave it out")
-    read = load_scenario(scenario)
+    check_move(block, move)
+    read = load_scenario(scenario, overrides=read_overrides(overrides or ()))
     try:
         made, notes = export_c_block(
             read,
-            block.value,
+            block,
             output,
             dt=seconds("--sample-time", sample_time),
             move=move,
@@ -73,5 +57,6 @@ def export_c_command(
     except OSError as error:
         told = error.strerror or str(error).partition(": ")[2] or error
         raise ValueError(f"--output {output}: {told}") from None
+    print_parts(*(f"with {text}" for text in read.overrides))
     print_parts(f"Wrote {made.folder}: {block.value}, C99, {len(made.files)} files")
     print_parts(*notes)

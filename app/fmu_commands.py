@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .check_command import AS_JSON
+from .block_choice import BLOCK_AS_FMU, BlockChoice, check_move
+from .check_command import AS_JSON, OVERRIDES
 from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
 from .fmu_run import run_command
 
@@ -17,18 +18,6 @@ fmu_app = typer.Typer(
     help="FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.",
     no_args_is_help=True,
 )
-
-
-class BlockChoice(StrEnum):
-    """What of a scenario `jounce fmu export` writes."""
-
-    TRAJECTORY = "trajectory"
-    FOLLOWER = "follower"
-    FILTER = "filter"
-    CONTROLLER = "controller"
-    PLANT = "plant"
-    LOOP = "loop"
-    SERVO = "servo"
 
 
 class FmiVersion(StrEnum):
@@ -41,12 +30,7 @@ class FmiVersion(StrEnum):
 @fmu_app.command("export")
 def export_command(
     scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
-    block: Annotated[
-        BlockChoice,
-        typer.Option(
-            help="What to export; loop: all together, as an .ssp; servo: the same as one FMU."
-        ),
-    ],
+    block: BLOCK_AS_FMU,
     move: Annotated[
         str | None,
         typer.Option(help="Name of the move, of a block of a move. Default: the first."),
@@ -67,22 +51,23 @@ def export_command(
             "Default: the host's, and with ziglang Linux and Windows."
         ),
     ] = None,
+    overrides: OVERRIDES = None,
 ) -> None:
     """Write a block of a scenario as an FMU that needs no Python; in rad or m, and s."""
     from ..fmu import CompilerError
+    from .overrides import read_overrides
     from .printing import print_parts
     from .scenario import load_scenario
-    from .scenario_blocks import OF_A_MOVE, export_block
+    from .scenario_blocks import export_block
 
-    if move is not None and block not in OF_A_MOVE:
-        raise ValueError(f"--move: a {block.value} belongs to no move; leave it out")
-    read = load_scenario(scenario)
+    check_move(block, move)
+    read = load_scenario(scenario, overrides=read_overrides(overrides or ()))
     path = output or Path(_file_name(scenario, block, move))
     _check_target(path, scenario, ".ssp" if block is BlockChoice.LOOP else ".fmu")
     try:
         made = export_block(
             read,
-            block.value,
+            block,
             path,
             dt=seconds("--sample-time", sample_time),
             move=move,
@@ -95,6 +80,7 @@ def export_command(
         told = error.strerror or error
         raise ValueError(f"--output {path}: {told}; give a path that can be written") from None
     binaries = ", ".join(made.platforms) or "no binary, sources only"
+    print_parts(*(f"with {text}" for text in read.overrides))
     print_parts(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
     print_parts(*made.notes)
 

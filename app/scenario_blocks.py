@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 from ..analysis.planned_moves import planned
 from ..analysis.specification import Move
@@ -14,6 +14,7 @@ from ..fmu import (
     FmuExport,
     SampledController,
     SampledLoop,
+    SampledShaper,
     export_c,
     export_fmu,
 )
@@ -21,6 +22,7 @@ from ..fmu.exporting.inverse_block import inverse_trajectory_block
 from ..fmu.exporting.servo_block import check_bare_pid
 from ..plant import Controller, as_controller
 from ..shaping import CommandFollower, Limits, Trajectory
+from .block_choice import OF_A_MOVE, BlockChoice
 from .scenario import Scenario
 from .scenario_loop import jerk_filter_of, servo_loop_of
 from .scenario_measured import measured_loop_of
@@ -28,20 +30,10 @@ from .scenario_measured import measured_loop_of
 if TYPE_CHECKING:
     from ..fmu.exporting.ssp import SspExport
 
-BlockName = Literal["trajectory", "follower", "filter", "controller", "plant", "loop", "servo"]
-
-BLOCKS: tuple[str, ...] = get_args(BlockName)
-"""Names of the blocks; "loop" is all but the follower together, "servo" that as one FMU."""
-
-FirmwareName = Literal["shaper", "trajectory", "follower", "filter", "controller", "plant", "servo"]
-
-OF_A_MOVE = ("trajectory", "follower", "shaper", "loop", "servo")
-"""Blocks that need a move of the scenario: the one that is named, or else the first."""
-
 
 def export_block(
     scenario: Scenario,
-    block: BlockName,
+    block: BlockChoice,
     path: Path,
     *,
     dt: float,
@@ -54,7 +46,8 @@ def export_block(
     Parameters
     ----------
     scenario : Scenario
-    block : "trajectory", "follower", "filter", "controller", "plant", "loop" or "servo"
+    block : BlockChoice
+        A loop is an SSP.
     path : Path
         Of the file; its folder must exist. An existing file is replaced.
     dt : float
@@ -76,7 +69,7 @@ def export_block(
     """
     unit = _unit_of(scenario)
     notes = _chosen(scenario, block, move)
-    if block == "loop":
+    if block is BlockChoice.LOOP:
         from ..fmu.exporting.ssp import export_ssp
 
         loop = servo_loop_of(scenario)
@@ -98,7 +91,7 @@ def export_block(
 
 def export_c_block(
     scenario: Scenario,
-    block: FirmwareName,
+    block: BlockChoice,
     folder: Path,
     *,
     dt: float,
@@ -110,8 +103,8 @@ def export_c_block(
     Parameters
     ----------
     scenario : Scenario
-    block : "shaper", "trajectory", "follower", "filter", "controller", "plant" or "servo"
-        A shaper is the follower.
+    block : BlockChoice
+        A loop is the servo.
     folder : Path
         As in `export_c`.
     dt : float
@@ -134,7 +127,7 @@ def export_c_block(
     """
     unit = _unit_of(scenario)
     source, told = _source(scenario, block, dt, move)
-    made = export_c(source, folder, name=block if name is None else name, unit=unit)
+    made = export_c(source, folder, name=block.value if name is None else name, unit=unit)
     return made, (*_chosen(scenario, block, move), *told)
 
 
@@ -142,7 +135,7 @@ def _unit_of(scenario: Scenario) -> str:
     return "rad" if scenario.motion == "angle" else "m"
 
 
-def _chosen(scenario: Scenario, block: str, move: str | None) -> tuple[str, ...]:
+def _chosen(scenario: Scenario, block: BlockChoice, move: str | None) -> tuple[str, ...]:
     """Return what is to be said where a block takes the first of several moves."""
     names = [own.name for own in scenario.moves]
     if block not in OF_A_MOVE or move is not None or len(names) < 2:
@@ -152,25 +145,27 @@ def _chosen(scenario: Scenario, block: str, move: str | None) -> tuple[str, ...]
 
 
 def _source(
-    scenario: Scenario, block: BlockName | FirmwareName, dt: float, move: str | None
+    scenario: Scenario, block: BlockChoice, dt: float, move: str | None
 ) -> tuple[Any, tuple[str, ...]]:
     """Return what is to leave, and what is to be said of its sample time."""
-    if block == "trajectory":
+    if block is BlockChoice.TRAJECTORY:
         return _trajectory(scenario, move), ()
-    if block in ("follower", "shaper"):
+    if block is BlockChoice.SHAPER and find_move(scenario, move).shapers:
+        return _shaper_of(find_move(scenario, move), dt), ()
+    if block in (BlockChoice.FOLLOWER, BlockChoice.SHAPER):
         return _follower_of(scenario, dt, move), ()
-    if block == "filter":
+    if block is BlockChoice.FILTER:
         found = jerk_filter_of(scenario)
         if found is None:
             raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
         return found, ()
-    if scenario.body == "frf" and block == "controller":
+    if scenario.body == "frf" and block is BlockChoice.CONTROLLER:
         return _controller_on_data(scenario, dt)
     loop = servo_loop_of(scenario)
-    if block == "plant":
+    if block is BlockChoice.PLANT:
         return loop.plant, ()
     told = _own_time(loop.controller_noun, dt)
-    if block == "servo":
+    if block in (BlockChoice.LOOP, BlockChoice.SERVO):
         running, behind = None if loop.is_digital else dt, jerk_filter_of(scenario)
         return SampledLoop(trajectory_of(scenario, move), loop, running, behind), told
     if loop.is_digital:
@@ -221,8 +216,22 @@ def _own_time(controller: Controller, dt: float) -> tuple[str, ...]:
     )
 
 
+def _shaper_of(move: Move, dt: float) -> SampledShaper:
+    """Return the input shapers of a move, one behind the other, for a command of samples."""
+    whole, *others = move.shapers
+    for other in others:
+        whole = whole.then(other)
+    return SampledShaper(whole, dt)
+
+
 def _follower_of(scenario: Scenario, dt: float, move: str | None) -> CommandFollower:
     chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
+    if len(chosen.bounds) > 3:
+        raise ValueError(
+            f"{scenario.path}: move {chosen.name!r}: has limits of order {len(chosen.bounds)}, and "
+            "a follower keeps bounds up to the jerk; export --block trajectory, or give the move "
+            "limits without snap"
+        )
     try:
         return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
     except ValueError as error:

@@ -9,6 +9,7 @@ import pytest
 from fmus import needs_compiler
 
 from jounce.app import scenario_blocks
+from jounce.app.block_choice import BlockChoice
 from jounce.fmu.exporting import export_c as writing
 from jounce.plant import PID, Axis, Controller, Feedforward, Friction, ServoLoop
 from jounce.shaping import CommandFollower, JerkFilter, Limits
@@ -37,7 +38,7 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def run(run):
-    """Run `jounce export c` on the scenario."""
+    """Run `jounce export c` on the scenario; its `func` runs any command."""
     return partial(run, "export", "c", "axis.toml", "--block")
 
 
@@ -76,6 +77,47 @@ def test_the_whole_loop_leaves_to_be_simulated(run):
     assert "#define SERVO_SAMPLE_TIME 0.002" in Path("made", "servo.h").read_text()
 
 
+def test_a_shaper_is_the_move_s_input_shaper_where_it_has_one(run, folder):
+    Path("axis.toml").write_text(
+        f'format = 2\nshaper = {{kind = "ZV", frequency = "5 Hz"}}\n{SCENARIO}', encoding="utf-8"
+    )
+    status, _, errors = run("shaper", "--output", "made", "--sample-time", "10 ms")
+    assert (status, errors) == (0, [])
+    text = Path("made", "shaper.c").read_text()
+    assert "part_delay[2] = {0.0, 10.0}" in text
+    assert "part_weight[2] = {0.5, 0.5}" in text
+    assert run("follower", "--output", "followed")[0] == 0
+    assert "command_velocity" in Path("followed", "follower.h").read_text()
+
+
+@pytest.mark.parametrize("verb", ["c", "fmu"])
+@pytest.mark.parametrize("block", BlockChoice)
+def test_blocks_have_the_same_names_in_c_and_fmu(run, verb, block):
+    name = f"made.{'ssp' if block == 'loop' else 'fmu'}"
+    words = ("export", "c") if verb == "c" else ("fmu", "export")
+    to = ("made",) if verb == "c" else (name, "--platform", "none")
+    status, out, errors = run.func(*words, "axis.toml", "--block", block.value, "-o", *to)
+    assert (status, errors) == (0, [])
+    assert f"{'C99' if verb == 'c' else 'FMI 2.0'}," in out
+
+
+def test_a_wrong_name_is_told_with_all_that_there_are(run):
+    for words in (("export", "c"), ("fmu", "export")):
+        status, _, [line] = run.func(*words, "axis.toml", "--block", "shapr", "-o", "made")
+        assert status == 2
+        assert all(f"'{block.value}'" in line for block in BlockChoice)
+
+
+def test_keys_are_set_in_place_of_the_file_s(run):
+    given = ("--set", "controller.gains.kp=80 N/m", "--set", 'moves."back".distance="-20 mm"')
+    status, out, _ = run("controller", "--output", "made", *given)
+    assert (status, "with controller.gains.kp = '80 N/m'" in out) == (0, True)
+    assert "block->kp = 80.0;" in Path("made", "controller.c").read_text()
+    for wrong, words in (("plnt.inertia=3 kg", "plnt"), ("moves.away.distance=1 m", "no entry")):
+        status, out, [line] = run("plant", "--output", "no", "--set", wrong)
+        assert (status, out, words in line) == (2, "", True)
+
+
 @needs_compiler
 def test_the_shapers_example_moves_as_python_does(run):
     run("shaper", "--output", "made", "--sample-time", "5 ms")
@@ -95,6 +137,7 @@ def test_the_shapers_example_moves_as_python_does(run):
         (("plant", "-o", "."), "holds axis.toml, which no export wrote; name a new or empty"),
         (("plant", "-o", "c", "--move", "back"), "--move: a plant belongs to no move"),
         (("plant", "-o", "c", "--name", "main"), "name = 'main'"),
+        (("plant", "-o", "c", "--name", "int"), "name = 'int': is a word of C; use another"),
         (("shaper", "-o", "c", "--sample-time", "0 s"), "--sample-time"),
     ],
 )
