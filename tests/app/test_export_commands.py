@@ -77,7 +77,7 @@ def test_the_whole_loop_leaves_to_be_simulated(run):
     assert "#define SERVO_SAMPLE_TIME 0.002" in Path("made", "servo.h").read_text()
 
 
-def test_a_shaper_is_the_move_s_input_shaper_where_it_has_one(run, folder):
+def test_a_shaper_is_the_move_s_input_shaper_where_it_has_one(run):
     Path("axis.toml").write_text(
         f'format = 2\nshaper = {{kind = "ZV", frequency = "5 Hz"}}\n{SCENARIO}', encoding="utf-8"
     )
