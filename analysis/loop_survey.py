@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
@@ -134,6 +134,23 @@ class Survey(Told):
     def notes(self) -> tuple[str, ...]:
         """Sentences on what is idealised, where, and on limit cycles."""
         return tuple(_notes(self))
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables."""
+        return (self.labels.title,) if self.labels.title else ()
+
+    def page(self) -> tuple[Any, ...]:
+        """Return what is printed: heading, tables (of rich), notes and findings."""
+        from .survey_tables import survey_tables
+
+        return (*self.heading, *survey_tables(self), *self.notes, *self.findings)
+
+    def __str__(self) -> str:
+        """Return the page as text, as wide as the terminal, else 160 characters."""
+        from .tables import as_text
+
+        return as_text(self.page())
 
     def table_rows(self) -> Rows:
         """Return margins, moves and requirements."""

@@ -111,7 +111,6 @@ def survey_command(
     """Print a loop's margins, design check and moves; with --output write them with a picture."""
     from .overrides import read_overrides
     from .scenario_survey import survey_file
-    from .survey_report import survey_tables
 
     asked = next((name for name, given in (("--details", details), ("--pdf", pdf)) if given), None)
     if output is None and asked:
@@ -124,11 +123,7 @@ def survey_command(
 
         print_json(data_of(found))
         return
-    given = [f"with {text}" for text in found.scenario.overrides]
-    print_parts(found.scenario.title, *given, *survey_tables(found))
-    print_parts(*found.notes)
-    print_parts(*found.findings)
-    print_parts(*written)
+    print_parts(*found.page(), *written)
 
 
 def _write_survey(

@@ -22,6 +22,11 @@ class ScenarioSurvey(Survey):
     scenario: Scenario
 
     @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables: the title, and what stands in place of the file's values."""
+        return (self.scenario.title, *(f"with {text}" for text in self.scenario.overrides))
+
+    @property
     def findings(self) -> tuple[str, ...]:
         """Plain sentences on what does not meet its specification."""
         if self.scenario.gains != "published" or not self.missed:
