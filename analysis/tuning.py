@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..plant import PID, Controller
+from ..plant.discretise import Discretisation
 from ..plant.frequency_points import frequency_points
 from ..plant.open_gains import OpenGains, pure_delay
 from ..shaping.checks import finite
@@ -72,6 +73,7 @@ def tune_pid(
     filters: Sequence[Any] = (),
     sample_time: float | None = None,
     delay: float = 0.0,
+    discretisation: Discretisation = "tustin",
 ) -> TunedPID:
     """Return the PID with the largest integral gain under bounds on the peaks of S and T.
 
@@ -98,6 +100,8 @@ def tune_pid(
         Of a digital controller. Default: continuous.
     delay : float, optional
         Computing delay of a digital controller, pure delay of a continuous one, ≥ 0.
+    discretisation : "tustin", "matched" or "hold", optional
+        Of a digital controller's filters, as in `Controller`.
 
     Returns
     -------
@@ -141,6 +145,7 @@ def tune_pid(
         filters=filters,
         sample_time=sample_time,
         delay=delay if digital else 0.0,
+        discretisation=discretisation,
     )
     loop: OpenGains | MeasuredGains
     if isinstance(plant, MeasuredResponse):

@@ -53,7 +53,8 @@ class Controller(Frozen):
         "conditional" undoes an integration that would drive the torque further beyond its limit.
         Default: none.
     discretisation : "tustin", "matched" or "hold", optional
-        Of the filters; Tustin's is prewarped at each filter's own frequency.
+        Of the filters; Tustin's is prewarped at each filter's own frequency. Above 0.8 of the
+        Nyquist frequency (a notch on "hold" above 0.1) a filter is warned of.
 
     Raises
     ------
@@ -90,7 +91,8 @@ class Controller(Frozen):
                 "at once; give sample_time=… as well"
             )
         one_of("discretisation", self.discretisation, ("tustin", "matched", "hold"))
-        object.__setattr__(self, "filters", checked_filters(self.filters, self.sample_time))
+        filters = checked_filters(self.filters, self.sample_time, self.discretisation)
+        object.__setattr__(self, "filters", filters)
         if isinstance(self.anti_windup, str):
             one_of("anti_windup", self.anti_windup, ("conditional", "none"))
         elif self.anti_windup is not None:

@@ -12,6 +12,7 @@ from ..shaping.checks import finite, positive
 from ..shaping.real_numbers import shown
 from .axis import Axis
 from .controller import Controller
+from .discretise import Discretisation
 from .flexible_inertia import FlexibleInertia
 from .frequency_points import frequency_points
 from .inertia import Inertia
@@ -36,6 +37,7 @@ def design_pid(
     filters: Sequence[Any] = (),
     sample_time: float | None = None,
     delay: float = 0.0,
+    discretisation: Discretisation = "tustin",
 ) -> PID:
     """Return the PID that gives a loop exactly these three margins.
 
@@ -66,6 +68,8 @@ def design_pid(
         Of a digital controller, as in `Controller`. Default: continuous.
     delay : float, optional
         Computing delay of a digital controller, pure delay of a continuous one, ≥ 0.
+    discretisation : "tustin", "matched" or "hold", optional
+        Of a digital controller's filters, as in `Controller`.
 
     Returns
     -------
@@ -108,7 +112,11 @@ def design_pid(
     law = PID(1.0, 1.0, 1.0, derivative_filter=derivative_filter)
     digital = sample_time is not None
     controller = Controller(
-        law, filters=filters, sample_time=sample_time, delay=delay if digital else 0.0
+        law,
+        filters=filters,
+        sample_time=sample_time,
+        delay=delay if digital else 0.0,
+        discretisation=discretisation,
     )
     loop = OpenGains(rigid or plant, controller, 0.0 if digital else pure_delay(delay))
     return _designed(loop, omega, phase_margin_deg, factor)

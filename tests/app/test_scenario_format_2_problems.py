@@ -62,6 +62,10 @@ TELESCOPE = (EXAMPLES / "telescope_azimuth.toml").read_text(encoding="utf-8")
          "controller.delay: '1.5 samples' is in samples that are not given; w"),
         ('"1.5 samples"', '"-1 ms"',
          "controller.delay: '-1 ms' is out of range; write a duration not be"),
+        ('anti_windup = "conditional"',
+         'anti_windup = {kind = "back-calculation", tracking_time = "0.4 ms"}',
+         "controller.anti_windup: tracking_time = 0.0004: below half a sample the limited loop's "
+         "integral is unstable; give 0.0005 or more"),
         ('frequency = "8.5 Hz"', 'frequency = "600 Hz"',
          "at or above the Nyquist frequency of 500 Hz: use a sample time below 0.0008333"),
         ('crossover = "1 Hz"', 'crossover = "40 Hz"',
