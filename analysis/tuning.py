@@ -15,6 +15,7 @@ from ..plant.frequency_points import frequency_points
 from ..plant.open_gains import OpenGains, pure_delay
 from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
+from ..shaping.real_numbers import shown
 from ..shaping.told import Told
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
@@ -162,7 +163,7 @@ def _measured_plant(plant: Any, delay: float) -> MeasuredResponse:
     """Return a measured plant; ValueError for what is not one, or with a delay besides."""
     if finite("delay", delay):
         raise ValueError(
-            f"delay = {delay!r} of a measured plant, which has its delay in it: leave it out"
+            f"delay = {shown(delay)} of a measured plant, which has its delay in it: leave it out"
         )
     if is_frd(plant):
         return MeasuredResponse.from_frd(plant, kind="plant")
@@ -186,7 +187,7 @@ def _above_one(name: str, bound: float) -> float:
     number = finite(name, bound)
     if not number > 1.0:
         raise ValueError(
-            f"{name} = {bound!r}: expected a number above 1, as a loop with integral action "
+            f"{name} = {shown(bound)}: expected a number above 1, as a loop with integral action "
             "cannot keep below it at all frequencies; try 1.6"
         )
     return number

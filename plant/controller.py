@@ -84,10 +84,11 @@ class Controller(Frozen):
             object.__setattr__(self, "sample_time", positive("sample_time", self.sample_time))
         object.__setattr__(self, "delay", finite("delay", self.delay))
         if self.delay < 0.0:
-            raise ValueError(f"delay = {self.delay!r}: expected a time ≥ 0")
+            raise ValueError(f"delay = {shown(self.delay)}: expected a time ≥ 0")
         if self.delay > 0.0 and self.sample_time is None:
             raise ValueError(
-                f"delay = {self.delay!r} without a sample time: a continuous controller computes "
+                f"delay = {shown(self.delay)} without a sample time: a continuous "
+                "controller computes "
                 "at once; give sample_time=… as well"
             )
         one_of("discretisation", self.discretisation, ("tustin", "matched", "hold"))
@@ -104,7 +105,8 @@ class Controller(Frozen):
         way, dt = self.anti_windup, self.sample_time or 0.0
         if isinstance(way, BackCalculation) and way.tracking_time < 0.5 * dt:
             raise ValueError(
-                f"tracking_time = {way.tracking_time!r}: below half a sample the limited loop's "
+                f"tracking_time = {shown(way.tracking_time)}: below half a sample the "
+                "limited loop's "
                 f"integral is unstable; give {0.5 * dt:g} or more"
             )
 
@@ -142,7 +144,8 @@ class Controller(Frozen):
 
         if self.sample_time is not None:
             raise ValueError(
-                f"a controller with sample_time = {self.sample_time!r} has no k(s): use sampled()"
+                f"a controller with sample_time = {shown(self.sample_time)} has no k(s): "
+                "use sampled()"
             )
         whole = self.law.transfer()
         for element in self.filters:

@@ -14,7 +14,19 @@ from .pieces import FloatArray
 
 _DOUBLES = frozenset({float, np.float64})
 _PLAIN = _DOUBLES | {int}
-_SHORT = Repr()
+
+
+class _Short(Repr):
+    """Values cut short, numbers without their last rounding errors and without a negative zero."""
+
+    def repr_float(self, number: float, _: int) -> str:
+        """Return a number with 15 digits at most."""
+        return repr(float(f"{number:.15g}") + 0.0)
+
+    repr_float64 = repr_float
+
+
+_SHORT = _Short()
 _SHORT.maxstring = _SHORT.maxother = 80
 _DOWN = Context(prec=4, rounding=ROUND_DOWN)
 _MEASURED = ("units", "unit")  # attributes of a quantity that means nothing without them
