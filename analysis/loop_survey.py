@@ -27,7 +27,7 @@ from .peak_gain import PeakGain, peak_gain
 from .requirement_checks import RequirementCheck, requirement_checks
 from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
 from .step_response import StepResponse, step_response
-from .surveyed_loop import compared_loops, decaying_poles, is_ideal
+from .surveyed_loop import compared_loops, decaying_poles, is_ideal, left_out
 from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
 from .unstable_loop import UnstableLoopError
 
@@ -313,11 +313,12 @@ def _notes(survey: Survey) -> Iterator[str]:
     if survey.is_ideal:
         yield from _beyond_tolerance(survey)
         return
-    if axis.is_nonlinear:
+    without = left_out(survey.loop, labels.torque_name)
+    if without:
         yield (
             "Margins, S, T, PS, CS, unit step and error budget are those of the linear part: "
-            "without friction, limit and resolution. Moves, tracking, torque step and standstill "
-            "are simulated with them."
+            f"without {without}. Moves, tracking, {labels.torque_name} step and standstill are "
+            "simulated with all of it."
         )
     if axis.encoder_step and not survey.loop.is_digital:
         yield "A continuous controller does not see the encoder's resolution: give a sample time."

@@ -10,10 +10,13 @@ from rich.table import Table
 from rich.text import Text
 
 from .disturbed import total_of
+from .limit_cycles import shown_wait
 from .margins.result import in_samples, shown_intervals
 from .requirement_table import requirements_table
 from .surveyed_moves import MoveResponse, MoveSurvey
 from .tables import WideTable, plain_table
+
+_NO_OVERSHOOT = 0.005  # %, told as 0.00: the largest value is then but the last one
 
 
 def survey_tables(survey: Any) -> list[Table | WideTable]:
@@ -71,7 +74,8 @@ def _step_table(survey: Any) -> Table:
     part = "" if survey.is_ideal else ", of the linear part"
     table = plain_table(f"Unit step, without feedforward{part}", "", "value")
     table.add_row("overshoot", f"{step.overshoot_percent:.2f} %")
-    table.add_row("peak at", f"{step.peak_time_s:.4f} s")
+    if step.overshoot_percent >= _NO_OVERSHOOT:
+        table.add_row("peak at", f"{step.peak_time_s:.4f} s")
     table.add_row("rise, 10 to 90 %", f"{step.rise_time_s:.4f} s")
     table.add_row("settled to 2 %", f"{step.settling_time_s:.4f} s")
     return table
@@ -87,7 +91,8 @@ def _disturbance_tables(survey: Any) -> Iterator[Table]:
         table.add_row("peak of the load", f"{step.peak / scale:.4g} {unit}")
         table.add_row("back within a tenth of it", _time(step.recovery_time_s))
         at_end = f"at the end, {step.response.time[-1]:.4g} s"
-        table.add_row(at_end, f"{step.final / scale:.4g} {unit}")
+        final = step.final if abs(step.final) > 1e-9 * step.peak else 0.0
+        table.add_row(at_end, f"{final / scale:.4g} {unit}")
         yield table
     if survey.budget:
         torque = f"{labels.torque_name} [{labels.torque_unit}]"
@@ -136,7 +141,8 @@ def _move_cells(survey: Any, move: MoveSurvey, result: MoveResponse) -> list[str
     if axis.torque_limit < inf:
         cells.append(f"{result.saturated_time_s:.4g}")
     if axis.friction is not None:
-        cells.append(_never(result.next_breakaway_s))
+        slides = result.next_breakaway_s <= result.response.time[-1]
+        cells.append("slides" if slides else shown_wait(result.next_breakaway_s))
     return cells
 
 
@@ -159,10 +165,6 @@ def _tracking_table(survey: Any) -> Table:
 
 def _time(value: float) -> str:
     return f"{value:.4f} s" if isfinite(value) else "never"
-
-
-def _never(value: float) -> str:
-    return f"{value:.4f}" if isfinite(value) else "never"
 
 
 def _finite(value: float) -> str:

@@ -73,15 +73,16 @@ def survey_file(
     if scenario.body == "frf":
         return survey_measured(scenario)
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
+    moves, conditions = moves_of(scenario), survey_conditions(scenario)
     try:
         found = survey(
             loop,
-            moves_of(scenario),
+            moves,
             jerk_filter=behind,
             modes=scenario.modes,
             specification=scenario.specification,
             inertia_error=scenario.inertia_error,
-            **survey_conditions(scenario),
+            **conditions,
             labels=scenario.labels,
         )
     except ValueError as error:
