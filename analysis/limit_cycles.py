@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite, log, nan, pi, sqrt
+from math import inf, isnan, log, nan, pi, sqrt
 
 from ..plant import LoopResponse, Ramp, ServoLoop
 from ..plant.response_figures import load_extremes
@@ -12,6 +12,9 @@ from .disturbed import friction_spike
 from .margins import LoopMargins
 from .surveyed_loop import Poles, followed_until
 
+FOR_GOOD = 3.6e9
+"""Seconds, a million hours: what sticks for longer is told as at rest."""
+_HOUR = 3600.0
 _DECAY = log(1e6)
 _ROUNDS = 4
 _MOST_SAMPLES = 200_000
@@ -150,12 +153,22 @@ def _held(loop: ServoLoop, offset: float, duration: float) -> LoopResponse:
         raise ValueError(f"standstill, the command {offset:.6g} away: {error}") from None
 
 
+def shown_wait(seconds: float, unit: str = "") -> str:
+    """Return when something happens: in seconds, from an hour on in hours, or never."""
+    if seconds > FOR_GOOD:
+        return "never"
+    if seconds >= _HOUR:
+        return f"{seconds / _HOUR:.4g} h"
+    return f"{seconds:.4f} {unit}".rstrip()
+
+
 def shown_cycles(found: LimitCycles, unit: str, scale: float) -> tuple[str, ...]:
     """Return the limit cycles in sentences, positions in a unit."""
     alone = ", for the loop without friction," if found.friction else ""
     lines = [
-        f"The quantiser's describing function foresees{alone} a cycle of "
-        f"±{c.amplitude / scale:.3g} {unit} at {c.frequency_hz:.4g} Hz."
+        f"The quantiser's describing function, of a sine about a count, foresees{alone} a cycle of "
+        f"±{c.amplitude / scale:.3g} {unit} at {c.frequency_hz:.4g} Hz"
+        + ("." if found.standstill.swing > c.amplitude else "; the simulation shows none so large.")
         for c in found.foreseen
     ]
     if found.friction:
@@ -176,11 +189,9 @@ def _shown_standstill(s: Standstill, unit: str, scale: float) -> str:
     away = f"{s.error / scale:.3g} {unit} away"
     if s.next_breakaway_s <= s.duration_s:
         return f"{begin}it still slides, at most {away}."
-    if isfinite(s.next_breakaway_s):
-        return (
-            f"{begin}it sticks {away}, and breaks away next at {s.next_breakaway_s:.4g} s: stuck "
-            "is not at rest."
-        )
-    if s.next_breakaway_s == inf:
+    if isnan(s.next_breakaway_s):
+        return f"{begin}the load swings by {s.swing / scale:.3g} {unit}, at most {away}."
+    if s.next_breakaway_s > FOR_GOOD:
         return f"{begin}it rests {away}, for good."
-    return f"{begin}the load swings by {s.swing / scale:.3g} {unit}, at most {away}."
+    next_one = shown_wait(s.next_breakaway_s, "s")
+    return f"{begin}it sticks {away}, and breaks away next at {next_one}: stuck is not at rest."

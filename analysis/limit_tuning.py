@@ -14,6 +14,7 @@ from ..shaping import InputShaper, Limits, Trajectory, input_shaper, min_time_mo
 from ..shaping.checks import finite, one_of, positive
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
+from ..shaping.real_numbers import shown
 from ..shaping.told import Told
 from .limit_trials import Bench, Family, LimitTrial
 from .margins import loop_margins
@@ -192,7 +193,8 @@ def _bench(
         raise ValueError("distance = 0.0: a move that goes nowhere settles at once; give another")
     if tolerance >= abs(distance):
         raise ValueError(
-            f"settle_to = {settle_to!r} is not below the distance, {distance!r}: give the "
+            f"settle_to = {shown(settle_to)} is not below the distance, "
+            f"{shown(distance)}: give the "
             "tolerance about the end"
         )
     speed = velocity if velocity == inf else positive("velocity", velocity)
@@ -256,7 +258,9 @@ def _modes(poles: Any) -> list[tuple[float, float]]:
 def _families(orders: Sequence[int], shapers: Sequence[str], bench: Bench) -> list[Family]:
     for order in orders:
         if order not in (3, 4):
-            raise ValueError(f"orders = {tuple(orders)!r}: expected 3 (jerk), 4 (snap) or both")
+            raise ValueError(
+                f"orders = {shown(tuple(orders))}: expected 3 (jerk), 4 (snap) or both"
+            )
     for kind in shapers:
         one_of("shapers", kind, ("ZV", "ZVD", "ZVDD", "EI"))
     if not orders:
@@ -334,10 +338,11 @@ def _shaper(bench: Bench, kind: str) -> InputShaper | None:
 def _never(bench: Bench, trials: Sequence[LimitTrial]) -> ValueError:
     if not _allowed(trials):
         return ValueError(
-            f"acceleration = {bench.acceleration!r}: every move reaches the torque limit, "
-            f"{bench.loop.axis.torque_limit!r}; lower it, or the loop's gains"
+            f"acceleration = {shown(bench.acceleration)}: every move reaches the torque limit, "
+            f"{shown(bench.loop.axis.torque_limit)}; lower it, or the loop's gains"
         )
     return ValueError(
-        f"settle_to = {bench.tolerance!r}: no move settles within {bench.horizon:.4g}; allow more, "
+        f"settle_to = {shown(bench.tolerance)}: no move settles within "
+        f"{bench.horizon:.4g}; allow more, "
         "feed more derivatives forward (low_frequency_feedforward), or raise the crossover"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
@@ -27,7 +27,7 @@ from .peak_gain import PeakGain, peak_gain
 from .requirement_checks import RequirementCheck, requirement_checks
 from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
 from .step_response import StepResponse, step_response
-from .surveyed_loop import compared_loops, decaying_poles, is_ideal
+from .surveyed_loop import compared_loops, decaying_poles, is_ideal, left_out
 from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
 from .unstable_loop import UnstableLoopError
 
@@ -134,6 +134,23 @@ class Survey(Told):
     def notes(self) -> tuple[str, ...]:
         """Sentences on what is idealised, where, and on limit cycles."""
         return tuple(_notes(self))
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables."""
+        return (self.labels.title,) if self.labels.title else ()
+
+    def page(self) -> tuple[Any, ...]:
+        """Return what is printed: heading, tables (of rich), notes and findings."""
+        from .survey_tables import survey_tables
+
+        return (*self.heading, *survey_tables(self), *self.notes, *self.findings)
+
+    def __str__(self) -> str:
+        """Return the page as text, as wide as the terminal, else 160 characters."""
+        from .tables import as_text
+
+        return as_text(self.page())
 
     def table_rows(self) -> Rows:
         """Return margins, moves and requirements."""
@@ -296,11 +313,12 @@ def _notes(survey: Survey) -> Iterator[str]:
     if survey.is_ideal:
         yield from _beyond_tolerance(survey)
         return
-    if axis.is_nonlinear:
+    without = left_out(survey.loop, labels.torque_name)
+    if without:
         yield (
             "Margins, S, T, PS, CS, unit step and error budget are those of the linear part: "
-            "without friction, limit and resolution. Moves, tracking, torque step and standstill "
-            "are simulated with them."
+            f"without {without}. Moves, tracking, {labels.torque_name} step and standstill are "
+            "simulated with all of it."
         )
     if axis.encoder_step and not survey.loop.is_digital:
         yield "A continuous controller does not see the encoder's resolution: give a sample time."

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..shaping import Limits, Trajectory, min_jerk_move, min_time_move
 from ..shaping.derivatives import derivative_name
+from ..shaping.real_numbers import shown
 from .specification import Move
 
 _QUINTIC = (1.875, 10.0 / sqrt(3.0), 60.0)  # peaks of velocity, acceleration, jerk, R = T = 1
@@ -50,7 +51,7 @@ def _minimum_jerk(move: Move, limits: Limits) -> Trajectory:
     duration = least if move.duration is None else move.duration
     if duration < least * (1.0 - _ROUNDING):
         raise ValueError(
-            f"duration = {duration!r}: a move of minimum jerk takes {least:.6g} s within its "
+            f"duration = {shown(duration)}: a move of minimum jerk takes {least:.6g} s within its "
             "limits; give that or more"
         )
     if move.round_to is not None:

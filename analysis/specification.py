@@ -168,7 +168,7 @@ class Tracking:
         if not 0.0 <= real_number("after", self.after) < self.duration:
             raise ValueError(
                 f"after = {shown(self.after)}: expected a time from 0 to below the duration "
-                f"{self.duration!r}"
+                f"{shown(self.duration)}"
             )
 
 
@@ -205,7 +205,8 @@ class Requirement:
         low, high = self.bounds
         if not low <= high:
             raise ValueError(
-                f"requirement {self.name!r}: nothing is at least {low!r} and at most {high!r}; "
+                f"requirement {self.name!r}: nothing is at least {shown(low)} and at most "
+                f"{shown(high)}; "
                 "exchange the two"
             )
 

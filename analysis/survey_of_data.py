@@ -65,6 +65,26 @@ class MeasuredSurvey(Told, Frozen):
         """What else a reader of the margins has to know."""
         return self.margins.warnings
 
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables."""
+        return (self.labels.title,) if self.labels.title else ()
+
+    def page(self) -> tuple[Any, ...]:
+        """Return what is printed: heading, tables (of rich) and lines, notes and findings."""
+        from .measured_tables import margins_report
+        from .requirement_table import requirements_table
+
+        tables = requirements_table(self.requirements, self.labels)
+        measured = margins_report(self.measured, self.margins)
+        return (*self.heading, *tables, *measured, *self.notes, *self.findings)
+
+    def __str__(self) -> str:
+        """Return the page as text, as wide as the terminal, else 160 characters."""
+        from .tables import as_text
+
+        return as_text(self.page())
+
     def sigma_of(self, check: RequirementCheck) -> float:
         """Return the standard deviation of a required margin, 0 where there is none."""
         found = float(getattr(self.margins, f"{OF_MARGINS[check.requirement.name]}_sigma"))

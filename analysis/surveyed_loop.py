@@ -63,9 +63,23 @@ def shown_times(begin: float, lead: float, duration: float) -> FloatArray:
 
 
 def linear_part(loop: ServoLoop) -> ServoLoop:
-    """Return the loop without friction, torque limit and resolution, and without feedforward."""
-    axis = replace(loop.axis, friction=None, torque_limit=inf, encoder_step=0.0)
+    """Return the loop without what `left_out` names, constant load and feedforward."""
+    bare: dict[str, Any] = {"friction": None, "ripple": None, "torque_limit": inf}
+    axis = replace(loop.axis, **bare, encoder_step=0.0, constant_load=0.0)
     return ServoLoop(axis, loop.controller)
+
+
+def left_out(loop: ServoLoop, torque_name: str) -> str:
+    """Return what the axis has and its linear part does not, in words; empty for nothing."""
+    axis = loop.axis
+    has = {
+        "friction": axis.friction is not None,
+        "ripple over position": axis.ripple is not None,
+        f"{torque_name} limit": axis.torque_limit < inf,
+        "resolution": axis.encoder_step > 0.0 and loop.is_digital,
+    }
+    *others, last = [name for name, there in has.items() if there] or [""]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def compared_loops(loop: ServoLoop, error: float) -> Mapping[str, ServoLoop]:

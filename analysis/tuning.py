@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..plant import PID, Controller
+from ..plant.discretise import Discretisation
 from ..plant.frequency_points import frequency_points
 from ..plant.open_gains import OpenGains, pure_delay
 from ..shaping.checks import finite
 from ..shaping.frozen import Frozen
+from ..shaping.real_numbers import shown
 from ..shaping.told import Told
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
@@ -72,6 +74,7 @@ def tune_pid(
     filters: Sequence[Any] = (),
     sample_time: float | None = None,
     delay: float = 0.0,
+    discretisation: Discretisation = "tustin",
 ) -> TunedPID:
     """Return the PID with the largest integral gain under bounds on the peaks of S and T.
 
@@ -98,6 +101,8 @@ def tune_pid(
         Of a digital controller. Default: continuous.
     delay : float, optional
         Computing delay of a digital controller, pure delay of a continuous one, ≥ 0.
+    discretisation : "tustin", "matched" or "hold", optional
+        Of a digital controller's filters, as in `Controller`.
 
     Returns
     -------
@@ -141,6 +146,7 @@ def tune_pid(
         filters=filters,
         sample_time=sample_time,
         delay=delay if digital else 0.0,
+        discretisation=discretisation,
     )
     loop: OpenGains | MeasuredGains
     if isinstance(plant, MeasuredResponse):
@@ -157,7 +163,7 @@ def _measured_plant(plant: Any, delay: float) -> MeasuredResponse:
     """Return a measured plant; ValueError for what is not one, or with a delay besides."""
     if finite("delay", delay):
         raise ValueError(
-            f"delay = {delay!r} of a measured plant, which has its delay in it: leave it out"
+            f"delay = {shown(delay)} of a measured plant, which has its delay in it: leave it out"
         )
     if is_frd(plant):
         return MeasuredResponse.from_frd(plant, kind="plant")
@@ -181,7 +187,7 @@ def _above_one(name: str, bound: float) -> float:
     number = finite(name, bound)
     if not number > 1.0:
         raise ValueError(
-            f"{name} = {bound!r}: expected a number above 1, as a loop with integral action "
+            f"{name} = {shown(bound)}: expected a number above 1, as a loop with integral action "
             "cannot keep below it at all frequencies; try 1.6"
         )
     return number

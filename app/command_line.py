@@ -51,7 +51,7 @@ def main() -> None:
         sys.stdout.reconfigure(errors="replace")
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _warn
+            warnings.showwarning = _warner()
             raise SystemExit(app(prog_name="jounce", standalone_mode=False))
     except USAGE_ERRORS as error:
         told = usage_message(error)
@@ -108,10 +108,12 @@ def survey_command(
     overrides: OVERRIDES = None,
     as_json: AS_JSON = False,
 ) -> None:
-    """Print a loop's margins, design check and moves; with --output write them with a picture."""
+    """Print a loop's margins, design check and moves; with --output write them with a picture.
+
+    Exit status 1 where a requirement of the scenario is missed, or the loop is unstable.
+    """
     from .overrides import read_overrides
     from .scenario_survey import survey_file
-    from .survey_report import survey_tables
 
     asked = next((name for name, given in (("--details", details), ("--pdf", pdf)) if given), None)
     if output is None and asked:
@@ -123,12 +125,10 @@ def survey_command(
         from .result_files import data_of
 
         print_json(data_of(found))
-        return
-    given = [f"with {text}" for text in found.scenario.overrides]
-    print_parts(found.scenario.title, *given, *survey_tables(found))
-    print_parts(*found.notes)
-    print_parts(*found.findings)
-    print_parts(*written)
+    else:
+        print_parts(*found.page(), *written)
+    if not all(check.met for check in found.requirements):
+        raise typer.Exit(CHECK_FAILED)
 
 
 def _write_survey(
@@ -348,9 +348,16 @@ def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:
     write_files(writers)
 
 
-def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    """Print a warning as one line, without the place in the code that it comes from."""
-    print(f"jounce: warning: {message}", file=sys.stderr)
+def _warner() -> Callable[..., None]:
+    """Return what prints a warning as one line, without its place in the code, and only once."""
+    told = set()
+
+    def warn(message: Warning | str, *_: object, **__: object) -> None:
+        if str(message) not in told:
+            told.add(str(message))
+            print(f"jounce: warning: {message}", file=sys.stderr)
+
+    return warn
 
 
 def _fail(error: Exception, status: int) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from .tables import plain_table
+from ..analysis.tables import plain_table
 
 if TYPE_CHECKING:
     from ..fmu.cosimulation.cosimulation_result import CosimulationResult

@@ -54,8 +54,8 @@ def frf_command(
 ) -> None:
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
     from ..analysis.measured import measured_margins, read_frf
+    from ..analysis.measured_tables import margins_report
     from .fmu_options import seconds
-    from .measured_report import margins_report
     from .option_numbers import whole_number
     from .result_files import check_picture
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from ..analysis.tables import WideTable, plain_table, without_rounding
 from ..shaping import binding_limits, proven_excess
 from ..shaping.derivatives import derivative_name
 from ..shaping.optimal.binding import BINDING_RTOL
 from ..shaping.optimal.whole.planner import HIGHEST_ORDER
-from .tables import WideTable, plain_table, without_rounding
 
 if TYPE_CHECKING:
     from ..shaping import Certificate

@@ -7,12 +7,9 @@ import sys
 
 def print_parts(*parts: object) -> None:
     """Print tables and plain text, text as it is: no markup, no emoji, no wrapping."""
-    from rich.console import Console
+    from ..analysis.tables import console_for, print_on
 
-    terminal = sys.stdout.isatty()
-    console = Console(width=None if terminal else 160, highlight=False, markup=False, emoji=False)
-    for part in parts:
-        console.print(part, soft_wrap=isinstance(part, str))
+    print_on(console_for(sys.stdout), parts)
 
 
 def message_of(error: Exception) -> str:

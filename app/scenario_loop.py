@@ -92,23 +92,23 @@ def controller_of(
     else:
         with _named(scenario, "controller.gains"):
             law = _law(scenario, plant, run)
-    windup = _anti_windup(section.anti_windup)
-    whole = Controller(law, **run, anti_windup=windup, discretisation=section.discretisation)
+    with _named(scenario, "controller.anti_windup"):
+        whole = Controller(law, **run, anti_windup=_anti_windup(section.anti_windup))
     return law if whole == Controller(law) else whole
 
 
 def _run(scenario: Scenario) -> dict[str, Any]:
     """Return how the controller is run, each filter checked."""
     section, filters = scenario.controller, []
+    clock: dict[str, Any] = {
+        "sample_time": section.sample_time,
+        "discretisation": section.discretisation,
+    }
     for number, given in enumerate(section.filters):
         with _named(scenario, f"controller.filters[{number}]"):
             filters.append(_filter(given))
-            Controller(PID(1.0, 0.0, 0.0), filters=filters[-1:], sample_time=section.sample_time)
-    return {
-        "filters": tuple(filters),
-        "sample_time": section.sample_time,
-        "delay": section.delay,
-    }
+            Controller(PID(1.0, 0.0, 0.0), filters=filters[-1:], **clock)
+    return {"filters": tuple(filters), "delay": section.delay, **clock}
 
 
 def _law(scenario: Scenario, plant: Any, run: dict[str, Any]) -> PID | CascadedPI:

@@ -14,11 +14,16 @@ from .scenario import Scenario
 from .scenario_loop import controller_of
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class MeasuredScenarioSurvey(MeasuredSurvey):
     """The survey of a measured loop that a scenario describes, with the scenario."""
 
     scenario: Scenario
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables: the title, and what stands in place of the file's values."""
+        return (self.scenario.title, *(f"with {text}" for text in self.scenario.overrides))
 
 
 def measured_loop_of(scenario: Scenario) -> tuple[MeasuredResponse, Any]:

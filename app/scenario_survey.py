@@ -22,6 +22,11 @@ class ScenarioSurvey(Survey):
     scenario: Scenario
 
     @property
+    def heading(self) -> tuple[str, ...]:
+        """The lines above the tables: the title, and what stands in place of the file's values."""
+        return (self.scenario.title, *(f"with {text}" for text in self.scenario.overrides))
+
+    @property
     def findings(self) -> tuple[str, ...]:
         """Plain sentences on what does not meet its specification."""
         if self.scenario.gains != "published" or not self.missed:
@@ -68,11 +73,11 @@ def survey_file(
     if scenario.body == "frf":
         return survey_measured(scenario)
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
-    conditions = survey_conditions(scenario)
+    moves, conditions = moves_of(scenario), survey_conditions(scenario)
     try:
         found = survey(
             loop,
-            moves_of(scenario),
+            moves,
             jerk_filter=behind,
             modes=scenario.modes,
             specification=scenario.specification,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..analysis.tables import plain_table
 from .json_output import print_json
 from .printing import print_parts
-from .tables import plain_table
 
 if TYPE_CHECKING:
     from .sweeps.result import ScenarioSweep

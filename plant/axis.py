@@ -105,7 +105,7 @@ class Axis(Frozen):
         for name in ("viscous", "load_viscous", "spring", "current_lag", "encoder_step"):
             value = finite(name, getattr(self, name))
             if value < 0.0:
-                raise ValueError(f"{name} = {value!r}: expected a number ≥ 0")
+                raise ValueError(f"{name} = {shown(value)}: expected a number ≥ 0")
             object.__setattr__(self, name, value)
         object.__setattr__(self, "modes", _modes(self.modes))
         one_of("sensor", self.sensor, ("motor", "load", "both"))
@@ -123,7 +123,9 @@ class Axis(Frozen):
     def _check_drive(self) -> None:
         limit = real_number("torque_limit", self.torque_limit)
         if not limit > 0.0:
-            raise ValueError(f"torque_limit = {self.torque_limit!r}: expected a positive torque")
+            raise ValueError(
+                f"torque_limit = {shown(self.torque_limit)}: expected a positive torque"
+            )
         object.__setattr__(self, "torque_limit", limit)
         object.__setattr__(self, "gear_ratio", positive("gear_ratio", self.gear_ratio))
         if self.torque_constant is not None:
@@ -132,7 +134,8 @@ class Axis(Frozen):
         object.__setattr__(self, "constant_load", finite("constant_load", self.constant_load))
         if abs(self.constant_load) > limit:
             raise ValueError(
-                f"torque_limit = {limit!r} cannot hold the constant_load = {self.constant_load!r}: "
+                f"torque_limit = {shown(limit)} cannot hold the constant_load = "
+                f"{shown(self.constant_load)}: "
                 "raise the limit above the load"
             )
         self._check_breakaway()
@@ -143,8 +146,8 @@ class Axis(Frozen):
         helped += 0.0 if self.ripple is None else float(np.abs(self.ripple.torques).max())
         if self.friction is not None and helped <= self.friction.holds:
             raise ValueError(
-                f"torque_limit = {self.torque_limit!r} never overcomes the static friction of "
-                f"{self.friction.holds!r}: raise the limit above it"
+                f"torque_limit = {shown(self.torque_limit)} never overcomes the static friction of "
+                f"{shown(self.friction.holds)}: raise the limit above it"
             )
 
     def _friction_moves(self) -> bool:

@@ -7,7 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from ..shaping.checks import finite, positive
-from ..shaping.real_numbers import real_number
+from ..shaping.real_numbers import real_number, shown
 
 if TYPE_CHECKING:
     import control
@@ -51,7 +51,9 @@ class CascadedPI:
         for name in ("position_gain", "velocity_gain", "velocity_filter", "velocity_feedforward"):
             object.__setattr__(self, name, finite(name, getattr(self, name)))
         if self.velocity_filter < 0.0:
-            raise ValueError(f"velocity_filter = {self.velocity_filter!r}: expected a time ≥ 0")
+            raise ValueError(
+                f"velocity_filter = {shown(self.velocity_filter)}: expected a time ≥ 0"
+            )
         if real_number("reset_time", self.reset_time) != inf:
             object.__setattr__(self, "reset_time", positive("reset_time", self.reset_time))
 

@@ -53,7 +53,8 @@ class Controller(Frozen):
         "conditional" undoes an integration that would drive the torque further beyond its limit.
         Default: none.
     discretisation : "tustin", "matched" or "hold", optional
-        Of the filters; Tustin's is prewarped at each filter's own frequency.
+        Of the filters; Tustin's is prewarped at each filter's own frequency. Above 0.8 of the
+        Nyquist frequency (a notch on "hold" above 0.1) a filter is warned of.
 
     Raises
     ------
@@ -83,14 +84,16 @@ class Controller(Frozen):
             object.__setattr__(self, "sample_time", positive("sample_time", self.sample_time))
         object.__setattr__(self, "delay", finite("delay", self.delay))
         if self.delay < 0.0:
-            raise ValueError(f"delay = {self.delay!r}: expected a time ≥ 0")
+            raise ValueError(f"delay = {shown(self.delay)}: expected a time ≥ 0")
         if self.delay > 0.0 and self.sample_time is None:
             raise ValueError(
-                f"delay = {self.delay!r} without a sample time: a continuous controller computes "
+                f"delay = {shown(self.delay)} without a sample time: a continuous "
+                "controller computes "
                 "at once; give sample_time=… as well"
             )
         one_of("discretisation", self.discretisation, ("tustin", "matched", "hold"))
-        object.__setattr__(self, "filters", checked_filters(self.filters, self.sample_time))
+        filters = checked_filters(self.filters, self.sample_time, self.discretisation)
+        object.__setattr__(self, "filters", filters)
         if isinstance(self.anti_windup, str):
             one_of("anti_windup", self.anti_windup, ("conditional", "none"))
         elif self.anti_windup is not None:
@@ -102,7 +105,8 @@ class Controller(Frozen):
         way, dt = self.anti_windup, self.sample_time or 0.0
         if isinstance(way, BackCalculation) and way.tracking_time < 0.5 * dt:
             raise ValueError(
-                f"tracking_time = {way.tracking_time!r}: below half a sample the limited loop's "
+                f"tracking_time = {shown(way.tracking_time)}: below half a sample the "
+                "limited loop's "
                 f"integral is unstable; give {0.5 * dt:g} or more"
             )
 
@@ -140,7 +144,8 @@ class Controller(Frozen):
 
         if self.sample_time is not None:
             raise ValueError(
-                f"a controller with sample_time = {self.sample_time!r} has no k(s): use sampled()"
+                f"a controller with sample_time = {shown(self.sample_time)} has no k(s): "
+                "use sampled()"
             )
         whole = self.law.transfer()
         for element in self.filters:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from math import pi, tan
 from typing import TYPE_CHECKING, Any, Literal
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..shaping.pieces import FloatArray
-from ..shaping.real_numbers import shown
+from ..shaping.real_numbers import rounded_down, shown
 from .exact_response import state_space
 from .filters import Filter, LeadLag, LowPass, Notch
 
@@ -21,23 +22,52 @@ Element = Filter | Any
 """A filter, or any python-control system with one input and one output."""
 
 
-def checked_filters(filters: Any, dt: float | None) -> tuple[Element, ...]:
-    """Return the filters behind one another; for a sample time dt, none at or above Nyquist."""
+_FAITHFUL: dict[Discretisation, float] = {"tustin": 0.8, "matched": 1.0, "hold": 0.1}
+"""Share of the Nyquist frequency to which a sampled notch is about what was asked for."""
+
+
+def checked_filters(
+    filters: Any, dt: float | None, discretisation: Discretisation
+) -> tuple[Element, ...]:
+    """Return the filters behind one another; for a sample time dt, none at or above Nyquist.
+
+    One so near to it that its sampled form is another filter is warned of.
+    """
     given = (filters,) if not isinstance(filters, Sequence) else tuple(filters)
     for element in given:
-        if isinstance(element, Notch | LeadLag | LowPass):
-            _check_below_nyquist(element, dt)
-        else:
+        if not isinstance(element, Notch | LeadLag | LowPass):
             _check_system(element, dt)
+        elif dt is not None:
+            _check_below_nyquist(element, dt)
+            _warn_near_nyquist(element, dt, discretisation)
     return given
 
 
-def _check_below_nyquist(element: Filter, dt: float | None) -> None:
-    if dt is not None and 2.0 * element.prewarp_hz * dt >= 1.0:
+def _check_below_nyquist(element: Filter, dt: float) -> None:
+    highest = element.prewarp_hz
+    if isinstance(element, Notch):
+        highest = max(element.zero_hz, element.pole_hz or 0.0)
+    if 2.0 * highest * dt >= 1.0:
         raise ValueError(
             f"{element!r} at or above the Nyquist frequency of {0.5 / dt:g} Hz: use a sample time "
-            f"below {0.5 / element.prewarp_hz:.4g}, or leave the filter out"
+            f"below {rounded_down(0.5 / highest)}, or leave the filter out"
         )
+
+
+def _warn_near_nyquist(element: Filter, dt: float, discretisation: Discretisation) -> None:
+    hz, notch = element.prewarp_hz, isinstance(element, Notch)
+    share = 2.0 * hz * dt
+    if share <= _FAITHFUL[discretisation if notch else "tustin"]:
+        return
+    held = notch and discretisation == "hold"
+    does = "passes what it should stop" if held else "is much narrower" if notch else "is distorted"
+    other = f"discretisation = {'matched' if share > _FAITHFUL['tustin'] else 'tustin'!r}, or "
+    warnings.warn(
+        f"{type(element).__name__} at {hz:g} Hz, {share:.2g} of the Nyquist frequency of "
+        f"{0.5 / dt:g} Hz: the sampled one {does}; use {other if notch else ''}"
+        f"a sample time up to {rounded_down(0.5 * _FAITHFUL['tustin'] / hz)}",
+        stacklevel=5,
+    )
 
 
 def _check_system(element: Any, dt: float | None) -> None:

@@ -141,7 +141,8 @@ def respond_on_grid(
         )
     if not np.isfinite(states[:, -1]).all():
         raise ValueError(
-            f"the response leaves the range of a double within {length!r}: the system is unstable; "
+            f"the response leaves the range of a double within {shown(length)}: the "
+            "system is unstable; "
             "shorten the duration"
         )
     mixing = np.zeros((plant.noutputs, n + k))
@@ -211,7 +212,9 @@ def state_space(system: Any) -> control.StateSpace:
 
 def _check_timebase(plant: control.StateSpace, dt: float) -> None:
     if plant.isdtime(strict=True) and plant.dt is not True and abs(plant.dt - dt) > 1e-9 * dt:
-        raise ValueError(f"dt = {dt!r}: the system is sampled every {plant.dt!r}; use that dt")
+        raise ValueError(
+            f"dt = {shown(dt)}: the system is sampled every {shown(plant.dt)}; use that dt"
+        )
 
 
 def _initial_state(plant: control.StateSpace, initial: ArrayLike | None) -> Any:

@@ -36,7 +36,7 @@ class InertiaFeedforward:
     def __post_init__(self) -> None:
         estimate = finite("J_hat", self.J_hat)
         if estimate < 0.0:
-            raise ValueError(f"J_hat = {self.J_hat!r}: expected a number ≥ 0")
+            raise ValueError(f"J_hat = {shown(self.J_hat)}: expected a number ≥ 0")
         object.__setattr__(self, "J_hat", estimate)
 
     def system(self) -> control.StateSpace:
@@ -105,7 +105,7 @@ class Feedforward(Frozen):
         for name in ("friction", "lead"):
             value = finite(name, getattr(self, name))
             if value < 0.0:
-                raise ValueError(f"{name} = {value!r}: expected a number ≥ 0")
+                raise ValueError(f"{name} = {shown(value)}: expected a number ≥ 0")
             object.__setattr__(self, name, value)
         if self.dynamics is not None:
             kind = "InverseDynamics(…), as inverse_feedforward(axis) finds it"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..shaping.checks import finite, positive, whole
+from ..shaping.real_numbers import shown
 
 if TYPE_CHECKING:
     import control
@@ -46,7 +47,7 @@ class Notch:
         object.__setattr__(self, "pole_hz", pole)
         object.__setattr__(self, "zero_damping", finite("zero_damping", self.zero_damping))
         if self.zero_damping < 0.0:
-            raise ValueError(f"zero_damping = {self.zero_damping!r}: expected a number ≥ 0")
+            raise ValueError(f"zero_damping = {shown(self.zero_damping)}: expected a number ≥ 0")
         object.__setattr__(self, "pole_damping", positive("pole_damping", self.pole_damping))
 
     @property

@@ -7,6 +7,7 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
 from ..shaping.checks import finite, one_of, positive
+from ..shaping.real_numbers import shown
 
 if TYPE_CHECKING:
     import control
@@ -82,12 +83,13 @@ class FlexibleInertia:
             object.__setattr__(self, name, check(name, getattr(self, name)))
         if not 0.0 <= self.damping < 1.0:
             raise ValueError(
-                f"damping = {self.damping!r}: expected a damping ratio from 0 to below 1 "
+                f"damping = {shown(self.damping)}: expected a damping ratio from 0 to below 1 "
                 "(1 % is 0.01)"
             )
         if not 0.0 < self.load_fraction < 1.0:
             raise ValueError(
-                f"load_fraction = {self.load_fraction!r}: expected the load's share of J, between "
+                f"load_fraction = {shown(self.load_fraction)}: expected the load's share "
+                "of J, between "
                 "0 and 1 (both excluded); without a load use Inertia"
             )
         one_of("sensor", self.sensor, ("motor", "load"))
@@ -97,7 +99,8 @@ class FlexibleInertia:
             all(0.0 < x < inf for x in (stiffness, self.J * stiffness, motor)) and 1.0 / motor < inf
         ):
             raise ValueError(
-                f"J = {self.J!r} and frequency_hz = {self.frequency_hz!r} make coefficients beyond "
+                f"J = {shown(self.J)} and frequency_hz = {shown(self.frequency_hz)} make "
+                "coefficients beyond "
                 "the range of a double: choose other units"
             )
 

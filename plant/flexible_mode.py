@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import pi, sqrt
 
 from ..shaping.checks import finite, positive
+from ..shaping.real_numbers import shown
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class FlexibleMode:
         object.__setattr__(self, "damping", finite("damping", self.damping))
         if not 0.0 <= self.damping < 1.0:
             raise ValueError(
-                f"damping = {self.damping!r}: expected a damping ratio from 0 to below 1 "
+                f"damping = {shown(self.damping)}: expected a damping ratio from 0 to below 1 "
                 "(1 % is 0.01)"
             )
         for name in ("load_fraction", "motor_shape", "load_shape"):
@@ -73,16 +74,20 @@ class FlexibleMode:
             wanted = (
                 "load_fraction" if self.held else "load_fraction, or motor_shape and load_shape"
             )
-            raise ValueError(f"a mode of {self.frequency_hz!r} Hz without its share: give {wanted}")
+            raise ValueError(
+                f"a mode of {shown(self.frequency_hz)} Hz without its share: give {wanted}"
+            )
         if self.load_fraction is None:
             return
         if shapes:
             raise ValueError(
-                f"load_fraction = {self.load_fraction!r} beside a mode shape: give one or the other"
+                f"load_fraction = {shown(self.load_fraction)} beside a mode shape: give "
+                "one or the other"
             )
         if not 0.0 < self.load_fraction < 1.0:
             raise ValueError(
-                f"load_fraction = {self.load_fraction!r}: expected the share of J that swings, "
+                f"load_fraction = {shown(self.load_fraction)}: expected the share of J "
+                "that swings, "
                 "between 0 and 1 (both excluded)"
             )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..shaping.checks import finite
+from ..shaping.real_numbers import shown
 
 
 @dataclass(frozen=True)
@@ -33,11 +34,12 @@ class Friction:
     def __post_init__(self) -> None:
         coulomb = finite("coulomb", self.coulomb)
         if coulomb < 0.0:
-            raise ValueError(f"coulomb = {self.coulomb!r}: expected a torque ≥ 0")
+            raise ValueError(f"coulomb = {shown(self.coulomb)}: expected a torque ≥ 0")
         static = coulomb if self.static is None else finite("static", self.static)
         if static < coulomb:
             raise ValueError(
-                f"static = {self.static!r}: expected at least coulomb = {self.coulomb!r}; leave "
+                f"static = {shown(self.static)}: expected at least coulomb = "
+                f"{shown(self.coulomb)}; leave "
                 "it out where the two are equal"
             )
         object.__setattr__(self, "coulomb", coulomb)

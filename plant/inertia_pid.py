@@ -6,6 +6,7 @@ from math import atan2, cos, degrees, inf, pi, sin, sqrt
 
 import numpy as np
 
+from ..shaping.real_numbers import shown
 from .pid import PID
 
 
@@ -27,13 +28,14 @@ def inertia_pid(
     phase_margin_deg, lower_gain_margin_db = asked
     if not 0.0 < phase < 0.5 * pi:
         raise ValueError(
-            f"phase_margin_deg = {phase_margin_deg!r}: a PID on an inertia reaches margins "
+            f"phase_margin_deg = {shown(phase_margin_deg)}: a PID on an inertia reaches margins "
             "between 0 and 90 deg (both excluded)"
         )
     if factor <= cos(phase):
         raise ValueError(
-            f"lower_gain_margin_db = {lower_gain_margin_db!r} contradicts a phase margin of "
-            f"{phase_margin_deg!r} deg: q = ω_c²·cos φ/g_m would reach ω_c²; ask for a positive "
+            f"lower_gain_margin_db = {shown(lower_gain_margin_db)} contradicts a phase margin of "
+            f"{shown(phase_margin_deg)} deg: q = ω_c²·cos φ/g_m would reach ω_c²; ask for "
+            "a positive "
             "lower gain margin"
         )
     check_lower_gain_margin(factor, lower_gain_margin_db)
@@ -46,7 +48,8 @@ def inertia_pid(
         kp = ki = kr = inf
     if not all(0.0 < gain < inf for gain in (kp, ki, kr)):
         raise ValueError(
-            f"the gains for J = {moment!r} and crossover_hz = {omega / (2.0 * pi)!r} leave the "
+            f"the gains for J = {shown(moment)} and crossover_hz = "
+            f"{shown(omega / (2.0 * pi))} leave the "
             "range of a double: choose other units"
         )
     return PID(kp, ki, kr)
@@ -56,7 +59,8 @@ def check_lower_gain_margin(factor: float, asked_db: float) -> None:
     """Refuse a lower gain margin that would leave the loop unstable."""
     if factor <= 1.0:
         raise ValueError(
-            f"lower_gain_margin_db = {asked_db!r}: expected a positive number of dB, or the loop "
+            f"lower_gain_margin_db = {shown(asked_db)}: expected a positive number of dB, "
+            "or the loop "
             "would already be unstable"
         )
 
@@ -78,7 +82,7 @@ def _check_other_crossovers(phase: float, factor: float, asked_db: float) -> Non
         margin = atan2(kp * omega, ki - kr * omega**2) - 0.5 * pi
         if abs(margin) < phase * (1.0 - 1e-6):
             raise ValueError(
-                f"lower_gain_margin_db = {asked_db!r} contradicts a phase margin of "
+                f"lower_gain_margin_db = {shown(asked_db)} contradicts a phase margin of "
                 f"{degrees(phase):.6g} deg: |L| = 1 again at {omega:.4g} times the crossover, "
                 f"where the phase margin is {degrees(margin):.4g} deg; ask for a larger lower "
                 "gain margin"

@@ -35,7 +35,7 @@ def _grid_of(scene: Scene, dt: float | None, times: Any) -> FloatArray:
         if not rising or not given.size or given[0] < scene.begin:
             raise ValueError(
                 f"times = {shown(times)}: expected increasing times, none before the start at "
-                f"{scene.begin!r}"
+                f"{shown(scene.begin)}"
             )
         return given
     if dt is None:

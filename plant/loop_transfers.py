@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ..shaping.checks import finite
+from ..shaping.real_numbers import shown
 from .axis import Axis
 from .axis_transfer import transfer_polynomials
 from .closed_systems import (
@@ -164,9 +165,9 @@ def sampled_transfer(
     if loop.is_digital:
         if dt is not None or delay is not None:
             raise ValueError(
-                f"dt = {dt!r}, delay = {delay!r}: the controller has its own, "
-                f"sample_time = {controller.sample_time!r} and delay = "
-                f"{controller.delay!r}; leave them out, or replace(controller, …)"
+                f"dt = {shown(dt)}, delay = {shown(delay)}: the controller has its own, "
+                f"sample_time = {shown(controller.sample_time)} and delay = "
+                f"{shown(controller.delay)}; leave them out, or replace(controller, …)"
             )
         return loop_behind(_held_plant(loop), controller.sampled(), controller.delay)
     if dt is None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..shaping.checks import finite
+from ..shaping.real_numbers import shown
 from .controller import Controller
 from .pid import PID
 from .servo_loop import ServoLoop
@@ -67,5 +68,5 @@ def pure_delay(delay: float) -> float:
     """Return the delay of a continuous loop; ValueError unless it is ≥ 0 and finite."""
     number = finite("delay", delay)
     if number < 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a number of seconds, 0 or more")
+        raise ValueError(f"delay = {shown(delay)}: expected a number of seconds, 0 or more")
     return number

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ..shaping.checks import finite, one_of, positive
+from ..shaping.real_numbers import shown
 from .inertia import Inertia
 from .linear_system import linear_system
 from .models import Rational
@@ -52,7 +53,9 @@ class PID:
         for name in ("kp", "ki", "kr", "derivative_filter"):
             object.__setattr__(self, name, finite(name, getattr(self, name)))
         if self.derivative_filter < 0.0:
-            raise ValueError(f"derivative_filter = {self.derivative_filter!r}: expected a time ≥ 0")
+            raise ValueError(
+                f"derivative_filter = {shown(self.derivative_filter)}: expected a time ≥ 0"
+            )
 
     def system(self) -> control.StateSpace:
         """Return the python-control system (e, e_rate) → u_feedback, state ∫e (and ė_f)."""
@@ -137,7 +140,7 @@ class PID:
         direct = self.kp + self.ki * dt + (0.0 if measured else self.kr * slope)
         if not (isfinite(direct) and isfinite(self.kr * slope)):
             raise ValueError(
-                f"dt = {dt!r}: ki·dt or kr/dt leaves the range of a double; choose other units"
+                f"dt = {shown(dt)}: ki·dt or kr/dt leaves the range of a double; choose other units"
             )
         kept = lag / (lag + dt)
         past = 0.0 if measured else -slope

@@ -12,6 +12,7 @@ from ..shaping.checks import finite, positive
 from ..shaping.real_numbers import shown
 from .axis import Axis
 from .controller import Controller
+from .discretise import Discretisation
 from .flexible_inertia import FlexibleInertia
 from .frequency_points import frequency_points
 from .inertia import Inertia
@@ -36,6 +37,7 @@ def design_pid(
     filters: Sequence[Any] = (),
     sample_time: float | None = None,
     delay: float = 0.0,
+    discretisation: Discretisation = "tustin",
 ) -> PID:
     """Return the PID that gives a loop exactly these three margins.
 
@@ -66,6 +68,8 @@ def design_pid(
         Of a digital controller, as in `Controller`. Default: continuous.
     delay : float, optional
         Computing delay of a digital controller, pure delay of a continuous one, ≥ 0.
+    discretisation : "tustin", "matched" or "hold", optional
+        Of a digital controller's filters, as in `Controller`.
 
     Returns
     -------
@@ -101,14 +105,19 @@ def design_pid(
         return inertia_pid(rigid.J, omega, radians(phase_margin_deg), factor, asked)
     if not 0.0 < phase_margin_deg < 180.0:
         raise ValueError(
-            f"phase_margin_deg = {phase_margin_deg!r}: expected an angle between 0 and 180 deg "
+            f"phase_margin_deg = {shown(phase_margin_deg)}: expected an angle between 0 "
+            "and 180 deg "
             "(both excluded)"
         )
     check_lower_gain_margin(factor, float(lower_gain_margin_db))
     law = PID(1.0, 1.0, 1.0, derivative_filter=derivative_filter)
     digital = sample_time is not None
     controller = Controller(
-        law, filters=filters, sample_time=sample_time, delay=delay if digital else 0.0
+        law,
+        filters=filters,
+        sample_time=sample_time,
+        delay=delay if digital else 0.0,
+        discretisation=discretisation,
     )
     loop = OpenGains(rigid or plant, controller, 0.0 if digital else pure_delay(delay))
     return _designed(loop, omega, phase_margin_deg, factor)
@@ -132,7 +141,7 @@ def _inertia(plant: Any) -> Inertia | None:
 def _factor(lower_gain_margin_db: float) -> float:
     asked = finite("lower_gain_margin_db", lower_gain_margin_db)
     if abs(asked) > _MOST_DB:
-        raise ValueError(f"lower_gain_margin_db = {asked!r}: expected at most {_MOST_DB:g} dB")
+        raise ValueError(f"lower_gain_margin_db = {shown(asked)}: expected at most {_MOST_DB:g} dB")
     return float(10.0 ** (asked / 20.0))
 
 
@@ -155,7 +164,8 @@ def _designed(loop: OpenGains, omega: float, phase_margin_deg: float, factor: fl
         else "no integral gain gives this lower gain margin together with the other two"
     )
     raise ValueError(
-        f"crossover_hz = {omega / (2.0 * pi):.6g}, phase_margin_deg = {phase_margin_deg!r} and the "
+        f"crossover_hz = {omega / (2.0 * pi):.6g}, phase_margin_deg = "
+        f"{shown(phase_margin_deg)} and the "
         f"lower gain margin of {20.0 * np.log10(factor):.6g} dB are out of reach: {why}; lower the "
         f"crossover, {_other_margin(loop, omega, phase, factor)}or let analysis.tune_pid find the "
         "gains"

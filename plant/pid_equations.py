@@ -8,6 +8,7 @@ from math import cos, degrees, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from ..shaping.real_numbers import shown
 from ..shaping.roots import root_between
 
 Real = NDArray[np.float64]
@@ -90,7 +91,8 @@ def check_phase(terms: Terms, crossover: float, phase: float, asked_deg: float) 
         return
     best = degrees(phase) - degrees(turn) + 90.0
     raise ValueError(
-        f"phase_margin_deg = {asked_deg!r} is out of reach: at the crossover the phase of plant, "
+        f"phase_margin_deg = {shown(asked_deg)} is out of reach: at the crossover the "
+        "phase of plant, "
         f"filters and delay is {degrees(np.angle(proportional)):.1f} deg, and a PID adds less than "
         f"90 deg, which leaves less than {best:.1f} deg; lower the crossover or take delay away"
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..shaping.checks import of_kind, positive, whole
 from ..shaping.pieces import FloatArray
+from ..shaping.real_numbers import shown
 from .disturbances import SampledTorque, Wind
 from .spectrum import Folded, Spectrum
 
@@ -41,7 +42,9 @@ def wind_realisation(
     of_kind("wind", wind, Wind | Spectrum, "Wind(kind, sigma, …) or Spectrum(…)")  # type: ignore[arg-type]
     dt, length = positive("dt", dt), positive("duration", duration)
     if length > _MOST * dt:
-        raise ValueError(f"dt = {dt!r} makes {length / dt:.3g} samples: use at most {_MOST:.0e}")
+        raise ValueError(
+            f"dt = {shown(dt)} makes {length / dt:.3g} samples: use at most {_MOST:.0e}"
+        )
     count = ceil(length / dt * (1.0 - 1e-12))
     torques = _course(wind, count, dt, seed)
     return SampledTorque(dt * np.arange(float(count)), torques, on=wind.on)

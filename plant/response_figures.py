@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..shaping.pieces import extrema
 from .loop_response import LoopResponse, Of
+from .signal_pieces import Pieces
 
 
 def load_extremes(
@@ -27,7 +27,7 @@ def load_extremes(
     after : float, optional
         Time from the start from which on it counts.
     """
-    return _extremes(_position(response, target, of, after))
+    return _position(response, target, of, after).extremes()
 
 
 def rms_error(response: LoopResponse, *, of: Of = "load", after: float = 0.0) -> float:
@@ -46,25 +46,25 @@ def peak_torque(response: LoopResponse) -> float:
     largest = 0.0
     for mode in np.unique(run.modes[:-1]):
         some = run.modes[:-1] == mode
-        low, high = _extremes(_of(run.pieces(run.hybrid.torque[mode], 0.0), some))
+        low, high = _of(run.pieces(run.hybrid.torque[mode], 0.0), some).extremes()
         largest = max(largest, high, -low)
     return largest
 
 
-def _position(response: LoopResponse, target: float | None, of: Of, after: float) -> Any:
+def _position(response: LoopResponse, target: float | None, of: Of, after: float) -> Pieces:
     run = response.run
     row = run.load_row if of == "load" else run.seen_row
     pieces = run.pieces(row, -1.0 if target is None else 0.0, target or 0.0)
     return _later(pieces, after) if after > 0.0 else pieces
 
 
-def _of(pieces: Any, some: Any) -> Any:
+def _of(pieces: Pieces, some: Any) -> Pieces:
     """Return some of the pieces."""
     times, durations = pieces.times[some], pieces.durations[some]
     return replace(pieces, times=times, durations=durations, rows=pieces.rows[:, some])
 
 
-def _later(pieces: Any, begin: float) -> Any:
+def _later(pieces: Pieces, begin: float) -> Pieces:
     """Return the pieces from a time on, the one within which it lies cut there."""
     ends = pieces.times + pieces.durations
     kept = _of(pieces, ends > begin)
@@ -78,25 +78,3 @@ def _later(pieces: Any, begin: float) -> Any:
     times, durations = kept.times.copy(), kept.durations.copy()
     times[0], durations[0] = begin, durations[0] - ahead
     return replace(kept, times=times, durations=durations, rows=rows)
-
-
-def _extremes(pieces: Any) -> tuple[float, float]:
-    """Return the smallest and the largest value; 0 where there are no pieces."""
-    if not pieces.times.size:
-        return 0.0, 0.0
-    ends = np.array([pieces.rows[0], pieces.scaled.sum(axis=0)])
-    low, high = float(ends.min()), float(ends.max())
-    away = pieces.bounds - np.abs(pieces.scaled[0])
-    some = (pieces.rows[0] + away > high) | (pieces.rows[0] - away < low)
-    if some.any():
-        lows, highs = extrema(np.ones(int(some.sum())), _terms(pieces.scaled[:, some]))
-        low, high = min(low, float(lows.min())), max(high, float(highs.max()))
-    return low, high
-
-
-def _terms(scaled: Any) -> Any:
-    """Return derivatives on pieces of length 1, as many as count."""
-    sizes = np.abs(scaled).max(axis=1)
-    count = int(np.flatnonzero(sizes > 1e-18 * sizes.max())[-1]) + 1 if sizes.max() else 1
-    factorials = np.cumprod(np.append(1.0, np.arange(1.0, count)))
-    return scaled[:count] * factorials[:, None]

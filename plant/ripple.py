@@ -63,7 +63,7 @@ class Ripple(Told, Frozen):
         if not rising or not places[-1] - places[0] < self.period:
             raise ValueError(
                 f"positions = {shown(self.positions)}: expected numbers that increase, over less "
-                f"than the period of {self.period!r}"
+                f"than the period of {shown(self.period)}"
             )
         if not np.isfinite(torques).all():
             raise ValueError(f"torques = {shown(self.torques)}: expected finite numbers")

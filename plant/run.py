@@ -20,6 +20,7 @@ from .layout import Layout
 from .signal_pieces import TERMS, Pieces
 
 _COUNTS = 1e-20  # of a term of the Taylor series: smaller ones are nothing
+_AT_ONCE = 1024  # pieces: their numbers stay in the cache
 _SAME = 1e-13  # times this near to one another, relative to the longest, are one
 
 
@@ -159,12 +160,14 @@ class Run:
         modes, states = modes[: len(times) - 1], states[: len(times) - 1]
         rows = np.empty((self.terms, len(times) - 1))
         for mode in np.unique(modes):
-            some, terms = np.flatnonzero(modes == mode), [row]
+            terms = [row]
             for _ in range(self.terms - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
-            rows[:, some] = np.array(terms) @ states[some].T
+            within, matrix = np.flatnonzero(modes == mode), np.array(terms)
+            for some in np.split(within, range(_AT_ONCE, len(within), _AT_ONCE)):
+                rows[:, some] = matrix @ states[some].T
         if command:
-            rows += command * self._commanded
+            rows[: len(self._commanded)] += command * self._commanded
         rows[0] -= target
         return Pieces(times[:-1], np.diff(times), rows)
 
@@ -178,6 +181,8 @@ class Run:
 
     @cached_property
     def _commanded(self) -> FloatArray:
-        """Return the command and its derivatives at those times."""
-        at = on_breaks(self.scene.command, self.scene.begin + self._split[0][:-1])
-        return derivatives_of(self.scene.command, at, self.terms - 1)
+        """Return the command and its derivatives at those times, as many as it has."""
+        command = self.scene.command
+        at = on_breaks(command, self.scene.begin + self._split[0][:-1])
+        last = self.terms - 1 if sines_of(command) else min(highest_order(command), self.terms - 1)
+        return derivatives_of(command, at, last)

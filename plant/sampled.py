@@ -9,6 +9,7 @@ import numpy as np
 
 from ..shaping.checks import finite, positive
 from ..shaping.pieces import FloatArray
+from ..shaping.real_numbers import shown
 from .balance import balanced
 from .exact_response import state_space
 from .linear_system import linear_system
@@ -102,7 +103,7 @@ def held_model(plant: StateModel, dt: float, delay: float) -> StateModel:
     matrices = _held(plant, dt, whole, rest)
     if not all(np.isfinite(matrix).all() for matrix in matrices):
         raise ValueError(
-            f"within dt = {dt!r} the response leaves the range of a double: use a smaller dt"
+            f"within dt = {shown(dt)} the response leaves the range of a double: use a smaller dt"
         )
     a, b, c, d = matrices
     return StateModel(a, b, c, d, dt)
@@ -152,7 +153,7 @@ def _continuous(system: Any) -> control.StateSpace:
         ) from None
     if plant.isdtime(strict=True):
         raise ValueError(
-            f"the system is sampled already, with dt = {plant.dt!r}: expected a continuous one"
+            f"the system is sampled already, with dt = {shown(plant.dt)}: expected a continuous one"
         )
     if not all(np.isfinite(part).all() for part in (plant.A, plant.B, plant.C, plant.D)):
         raise ValueError("the system has coefficients that are nan or inf: expected finite ones")
@@ -163,10 +164,10 @@ def _in_samples(delay: float, dt: float) -> tuple[int, float]:
     """Return m and θ of delay = m·dt + θ, 0 ≤ θ < dt."""
     delay = finite("delay", delay)
     if delay < 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a number ≥ 0")
+        raise ValueError(f"delay = {shown(delay)}: expected a number ≥ 0")
     if delay > MAX_DELAY * dt:
         raise ValueError(
-            f"delay = {delay!r} is {delay / dt:.4g} samples of dt = {dt!r}: expected at "
+            f"delay = {shown(delay)} is {delay / dt:.4g} samples of dt = {shown(dt)}: expected at "
             f"most {MAX_DELAY}; use a larger dt"
         )
     samples = delay / dt

@@ -15,7 +15,7 @@ from ..shaping.checks import finite, positive
 from ..shaping.frozen import Frozen
 from ..shaping.jerk_filter import checked_filter
 from ..shaping.propagate import check_fed, product
-from ..shaping.real_numbers import real_array
+from ..shaping.real_numbers import real_array, shown
 from ..shaping.trajectory import as_trajectory
 from .axis import Axis, as_axis
 from .closed_systems import (
@@ -87,7 +87,8 @@ class ServoLoop(Frozen):
         as_feedforward(self.feedforward)
         if self.feedforward_noun.lead and not self.is_digital:
             raise ValueError(
-                f"lead = {self.feedforward_noun.lead!r} in a continuous loop: a lead makes up for "
+                f"lead = {shown(self.feedforward_noun.lead)} in a continuous loop: a lead "
+                "makes up for "
                 "the delay of a digital controller; leave it out"
             )
 
@@ -361,7 +362,8 @@ class ServoLoop(Frozen):
             return digital_deviations(self.axis, self.controller_noun, wind, coloured or white)
         if white:
             raise ValueError(
-                f"encoder_noise = {encoder_noise!r} in a continuous loop: white noise comes with "
+                f"encoder_noise = {shown(encoder_noise)} in a continuous loop: white "
+                "noise comes with "
                 "each sample; give the controller a sample_time, or a Spectrum"
             )
         return continuous_deviations(self.axis, self.controller_noun, wind, coloured)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any
 
 import numpy as np
 
-from ..shaping.pieces import FloatArray, extrema
+from ..shaping.pieces import FloatArray
 
 TERMS = 25
 """Of the Taylor series between the times that a run keeps: ‖A‖·h ≤ 2 there."""
@@ -33,37 +32,56 @@ class Pieces:
         return scaled
 
     @cached_property
-    def bounds(self) -> FloatArray:
-        """What the magnitude does not exceed in each piece."""
-        return np.asarray(np.abs(self.scaled).sum(axis=0))
+    def ends(self) -> FloatArray:
+        """Values at start and end of each piece, (2, m)."""
+        return np.array([self.rows[0], self.scaled.sum(axis=0)])
+
+    @cached_property
+    def bumps(self) -> FloatArray:
+        """By how much a piece is at most beyond its ends: |p″| is at most 8 times as large."""
+        found = np.zeros_like(self.durations)
+        for k in range(2, len(self.scaled)):
+            found += (k * (k - 1.0) / 8.0) * np.abs(self.scaled[k])
+        return found
 
     def peak(self) -> float:
         """Return the largest magnitude."""
+        low, high = self.extremes()
+        return max(high, -low)
+
+    def extremes(self) -> tuple[float, float]:
+        """Return the smallest and the largest value; 0 where there are no pieces."""
         if not self.times.size:
-            return 0.0
-        ends = np.maximum(np.abs(self.rows[0]), np.abs(self.scaled.sum(axis=0)))
-        known = float(ends.max())
-        some = np.flatnonzero(self.bounds > known)
-        if some.size:
-            kept = self._terms(some)
-            low, high = extrema(np.ones(some.size), kept)
-            known = max(known, float(high.max()), -float(low.min()))
+            return 0.0, 0.0
+        return -self._largest(-1.0), self._largest(1.0)
+
+    def _largest(self, sign: float) -> float:
+        """Return the largest value of sign·p: at an end, or where a piece that may pass it turns.
+
+        Pieces are looked at from the one that may pass it by most.
+        """
+        ends = (sign * self.ends).max(axis=0)
+        known, most = float(ends.max()), ends + self.bumps
+        some = np.flatnonzero(most > known)
+        for i in some[np.argsort(-most[some])].tolist():
+            if most[i] <= known:
+                break
+            known = max(known, self._turning(i, sign))
         return known
 
-    def _terms(self, some: Any) -> FloatArray:
-        """Return derivatives on pieces of length 1, as many as count."""
-        scaled = self.scaled[:, some]
-        sizes = np.abs(scaled).max(axis=1)
-        count = int(np.flatnonzero(sizes > 1e-18 * sizes.max())[-1]) + 1 if sizes.max() else 1
-        factorials = np.cumprod(np.append(1.0, np.arange(1.0, count)))
-        return np.asarray(scaled[:count] * factorials[:, None])
+    def _turning(self, i: int, sign: float) -> float:
+        """Return the largest value of sign·p where it turns within a piece."""
+        coefficients = sign * self.scaled[:, i]
+        at = _roots_between(coefficients[1:] * np.arange(1.0, len(coefficients)))
+        return float(np.polyval(coefficients[::-1], at).max()) if at else -inf
 
     def last_outside(self, tolerance: float) -> float:
         """Return the last time at which the magnitude exceeds a tolerance.
 
         0 where it never does, infinite where it does so at the end.
         """
-        for i in np.flatnonzero(self.bounds > tolerance)[::-1]:
+        outside = np.abs(self.ends).max(axis=0) + self.bumps > tolerance
+        for i in np.flatnonzero(outside)[::-1]:
             part = self._last_part_outside(self.scaled[:, i], tolerance)
             if part is not None:
                 at_end = i == len(self.times) - 1 and part >= 1.0
@@ -90,6 +108,8 @@ class Pieces:
 def _roots_between(coefficients: FloatArray) -> list[float]:
     """Return real roots in [0, 1], polished by Newton's iteration."""
     sizes = np.abs(coefficients)
+    if not sizes.any():
+        return []
     count = int(np.flatnonzero(sizes > 1e-19 * sizes.max())[-1]) + 1
     polynomial = coefficients[:count][::-1]
     slope = np.polyder(polynomial)

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import core
 from ..shaping.pieces import FloatArray
+from ..shaping.real_numbers import shown
 from .commands import derivatives_of, on_breaks
 from .core_numbers import fastest, memory_at_rest, sampled_steps, tuning
 from .hybrid import Hybrid, Mode, hybrid_of
@@ -159,7 +160,8 @@ def _run(prepared: _Prepared, segments: FloatArray, status: int) -> Run:
         )
     if not np.isfinite(z).all():
         raise ValueError(
-            f"the response leaves the range of a double within {scene.duration!r}: the loop is "
+            f"the response leaves the range of a double within {shown(scene.duration)}: "
+            "the loop is "
             "unstable; shorten the duration"
         )
     times, modes, states = segments[:, 0], segments[:, 1].astype(int), segments[:, 2:]

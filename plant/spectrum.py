@@ -62,7 +62,7 @@ class Spectrum(Frozen):
         for name, values in (("frequencies_hz", f), ("densities", density)):
             if not (np.isfinite(values).all() and values.min() > 0.0):
                 raise ValueError(
-                    f"{name}: {float(values.min())!r} has no logarithm, in which the table is "
+                    f"{name}: {shown(float(values.min()))} has no logarithm, in which the table is "
                     "interpolated: expected positive numbers; leave out points at 0 Hz, and those "
                     "of density 0 at either end"
                 )
@@ -115,7 +115,8 @@ class Folded:
         object.__setattr__(self, "dt", positive("dt", self.dt))
         if self._folds > _MOST_FOLDS:
             raise ValueError(
-                f"frequencies_hz up to {self.of.reach_hz[1]:.6g} with dt = {self.dt!r}: expected "
+                f"frequencies_hz up to {self.of.reach_hz[1]:.6g} with dt = "
+                f"{shown(self.dt)}: expected "
                 f"at most {_MOST_FOLDS} times the sample rate; end the table there"
             )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from decimal import Decimal
+from decimal import ROUND_DOWN, Context, Decimal
 from numbers import Real
 from reprlib import Repr
 from typing import Any
@@ -14,8 +14,21 @@ from .pieces import FloatArray
 
 _DOUBLES = frozenset({float, np.float64})
 _PLAIN = _DOUBLES | {int}
-_SHORT = Repr()
+
+
+class _Short(Repr):
+    """Values cut short, numbers without their last rounding errors and without a negative zero."""
+
+    def repr_float(self, number: float, _: int) -> str:
+        """Return a number with 15 digits at most."""
+        return repr(float(f"{number:.15g}") + 0.0)
+
+    repr_float64 = repr_float
+
+
+_SHORT = _Short()
 _SHORT.maxstring = _SHORT.maxother = 80
+_DOWN = Context(prec=4, rounding=ROUND_DOWN)
 _MEASURED = ("units", "unit")  # attributes of a quantity that means nothing without them
 
 
@@ -77,6 +90,11 @@ def real_array(name: str, values: Any) -> FloatArray:
 def shown(value: Any) -> str:
     """Return a value on one line, cut short."""
     return " ".join(_SHORT.repr(value).split())
+
+
+def rounded_down(value: float) -> str:
+    """Return a number with four digits, none of them rounded up: what may be given as a bound."""
+    return f"{float(_DOWN.create_decimal(repr(float(value)))):g}"
 
 
 def _doubles(values: Any) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from ...plant import ServoLoop, as_controller
 from ...plant.models import Rational, StateModel
 from ...shaping.checks import finite
+from ...shaping.real_numbers import shown
 from ..measured import MeasuredMargins, MeasuredResponse, is_frd, measured_margins
 from .bandwidth import bandwidth
 from .delayed_poles import rightmost_poles
@@ -163,7 +164,8 @@ def _of_data(system: Any, delay: float, controller: Any, measured_with: Any) -> 
     """Return the margins of data; bare data with a controller are those of a plant."""
     if finite("delay", delay):
         raise ValueError(
-            f"delay = {delay!r} of measured data, which have their delay in them; leave it out, "
+            f"delay = {shown(delay)} of measured data, which have their delay in them; "
+            "leave it out, "
             "or multiply the response by e^(−jω·delay)"
         )
     if is_frd(system):
@@ -198,10 +200,10 @@ def _validate(system: Any) -> None:
 def _checked_delay(system: Any, delay: float) -> float:
     delay = finite("delay", delay)
     if delay < 0.0:
-        raise ValueError(f"delay = {delay!r}: expected a number of seconds, 0 or more")
+        raise ValueError(f"delay = {shown(delay)}: expected a number of seconds, 0 or more")
     if delay and system.isdtime(strict=True):
         raise ValueError(
-            f"delay = {delay!r} with a system that is discrete in time (dt = {system.dt}); "
+            f"delay = {shown(delay)} with a system that is discrete in time (dt = {system.dt}); "
             "loop_margins takes a delay in continuous time alone: put it into L(z), as "
             "plant.zero_order_hold(plant, dt, delay=…) does"
         )

@@ -33,7 +33,13 @@ from jounce.analysis import (
     residual_vibration,
     survey,
 )
-from jounce.analysis.limit_cycles import quantiser_gain, shown_cycles
+from jounce.analysis.limit_cycles import (
+    LimitCycles,
+    Standstill,
+    quantiser_gain,
+    shown_cycles,
+    shown_wait,
+)
 from jounce.plant import (
     PID,
     Axis,
@@ -42,6 +48,7 @@ from jounce.plant import (
     Inertia,
     InertiaFeedforward,
     Ramp,
+    Ripple,
     ServoLoop,
     Sine,
     TorqueSteps,
@@ -362,3 +369,52 @@ def test_a_tracking_command_that_cannot_be_followed_is_named():
     with pytest.raises(ValueError, match=r"^tracking 'jump': "):
         survey(ServoLoop(AXIS, GAINS, InertiaFeedforward(J)), [], tracking=[bad])
     assert survey(REAL, [], tracking=[Tracking("still", Ramp(0.0), 1.0)]).tracking[0].slips == 0
+
+
+IDEALISED = {
+    "friction": {"friction": Friction(0.1, 0.12)},
+    "ripple over position": {"ripple": Ripple.sine(0.1, 1.0)},
+    "torque limit": {"torque_limit": 50.0},
+    "resolution": {"encoder_step": 1e-5},
+}
+
+
+@pytest.mark.parametrize("names", [[name] for name in IDEALISED] + [list(IDEALISED)])
+def test_what_the_linear_part_leaves_out_is_named_and_changes_nothing_in_it(names):
+    gains = design_pid(2.0, crossover_hz=4.0, phase_margin_deg=45.0, lower_gain_margin_db=12.0)
+    controller = Controller(gains, sample_time=1e-3)
+    given = {key: value for name in names for key, value in IDEALISED[name].items()}
+    found = survey(ServoLoop(Axis(2.0, **given), controller), [])
+    bare = survey(ServoLoop(Axis(2.0), controller), [])
+    assert bare.notes == ()
+    *others, last = names
+    listed = f"{', '.join(others)} and {last}" if others else last
+    assert f"are those of the linear part: without {listed}. Moves" in found.notes[0]
+    assert found.step.overshoot_percent == bare.step.overshoot_percent
+    assert found.margins.phase_margin_deg == bare.margins.phase_margin_deg
+
+
+def test_a_constant_load_leaves_the_step_of_the_linear_part_alone():
+    proportional = Controller(PID(1263.0, 0.0, 65.0), sample_time=1e-3)
+    found = [
+        survey(ServoLoop(Axis(2.0, constant_load=load), proportional), []).step
+        for load in (0.0, 40.0)
+    ]
+    assert found[0].overshoot_percent == found[1].overshoot_percent
+    assert found[0].settling_time_s == found[1].settling_time_s
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [(0.5, "0.5000 s"), (7200.0, "2 h"), (1e9, "2.778e+05 h"), (1e10, "never"), (inf, "never")],
+)
+def test_waits_are_told_in_units_that_a_reader_grasps(seconds, told):
+    assert shown_wait(seconds, "s") == told
+
+
+def test_a_breakaway_in_an_hour_is_told_in_hours():
+    still = Standstill(1e-3, 10.0, 0.0, 1e-6, 0, 7.2e5)
+    [_, told] = shown_cycles(LimitCycles((), True, still), "rad", 1.0)
+    assert "breaks away next at 200 h: stuck is not at rest" in told
+    [_, told] = shown_cycles(LimitCycles((), True, replace(still, next_breakaway_s=5e9)), "rad", 1)
+    assert "for good" in told

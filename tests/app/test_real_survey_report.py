@@ -14,10 +14,10 @@ from real_scenario import scenario_survey
 from shown import shown
 
 from jounce.analysis import Mode, survey
+from jounce.analysis.survey_tables import survey_tables
 from jounce.app.gate.numbers import bounds_of, is_position, survey_numbers
 from jounce.app.result_files import write_survey
 from jounce.app.survey_data import survey_data
-from jounce.app.survey_report import survey_tables
 from jounce.plant import Inertia, InertiaFeedforward, ServoLoop
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "telescope.toml"
@@ -149,3 +149,13 @@ def test_numbers_of_an_ideal_loop_are_those_they_were():
     rigid = ServoLoop(Inertia(J), GAINS, InertiaFeedforward(J))
     names = {number.key[-1] for number in survey_numbers(survey(rigid, [move()]))}
     assert not names & {"left_over", "compliance", "load_settling_time_s", "saturated_time_s"}
+
+
+def test_a_printed_survey_is_the_page_and_its_repr_one_line(capsys):
+    found = real_survey()
+    print(found)
+    printed = capsys.readouterr().out
+    for part in ("Requirements", "Loop margins", "Moves, in closed loop", *found.notes):
+        assert part in printed
+    assert "\n" not in repr(found)
+    assert len(repr(found)) < 1000

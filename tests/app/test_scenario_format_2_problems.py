@@ -62,6 +62,10 @@ TELESCOPE = (EXAMPLES / "telescope_azimuth.toml").read_text(encoding="utf-8")
          "controller.delay: '1.5 samples' is in samples that are not given; w"),
         ('"1.5 samples"', '"-1 ms"',
          "controller.delay: '-1 ms' is out of range; write a duration not be"),
+        ('anti_windup = "conditional"',
+         'anti_windup = {kind = "back-calculation", tracking_time = "0.4 ms"}',
+         "controller.anti_windup: tracking_time = 0.0004: below half a sample the limited loop's "
+         "integral is unstable; give 0.0005 or more"),
         ('frequency = "8.5 Hz"', 'frequency = "600 Hz"',
          "at or above the Nyquist frequency of 500 Hz: use a sample time below 0.0008333"),
         ('crossover = "1 Hz"', 'crossover = "40 Hz"',
@@ -173,3 +177,23 @@ def test_overrides_reach_the_keys_of_format_2(write):
         load_scenario(path, overrides={"plant.modes.strcture.frequency": "7 Hz"})
     with pytest.raises(ScenarioError, match=r"override plant\.sensor: 'shaft' is not known"):
         load_scenario(path, overrides={"plant.sensor": "shaft"})
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("[requirements]", 'torque_file = {path = "t.csv"}\n[requirements]'),
+        ('settle_to = "50 mas"',
+         'settle_to = "50 mas"\ndisturbances = {torque_file = {path = "t.csv"}}'),
+        ("[requirements]",
+         'torque_spectrum = {frequencies = ["1 Hz"], densities = ["1 N^2 m^2/Hz"]}\n'
+         "[requirements]"),
+        ('rate = "sidereal"',
+         'file = {path = "t.csv", sample_time = "1 ms", limits = "slew"}'),
+    ],
+)  # fmt: skip
+def test_a_survey_names_its_file_once(write, old, new):
+    assert old in TELESCOPE
+    with pytest.raises(ValueError, match=r"case\.toml: ") as refusal:
+        survey_file(write(TELESCOPE.replace(old, new, 1)))
+    assert str(refusal.value).count("case.toml") == 1

@@ -147,3 +147,40 @@ def test_survey_prints_where_there_is_no_circumflexed_j(run, monkeypatch):
     assert (status, errors) == (0, [])
     pipe.flush()
     assert "settled to 0.05 arcsec" in pipe.buffer.getvalue().decode("cp1252")
+
+
+MISSED = """format = 2
+title = "stage"
+plant = {inertia = "1 kg m^2"}
+[controller]
+gains = "design"
+sample_time = "1 ms"
+specification = {crossover = "5 Hz", phase_margin = "45 deg", lower_gain_margin = "12 dB"}
+[[controller.filters]]
+kind = "notch"
+frequency = "450 Hz"
+zero_damping = "10 %"
+pole_damping = "60 %"
+[limits.all]
+acceleration = "1 rad/s^2"
+[[moves]]
+name = "there"
+distance = "1 deg"
+limits = "all"
+settle_to = "1 mdeg"
+[requirements]
+phase_margin = {min = "50 deg"}
+"""
+
+
+@pytest.mark.filterwarnings("default::UserWarning")
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("options", [(), ("--json", "-o", "out")])
+def test_a_missed_requirement_is_a_failed_check_and_a_warning_is_told_once(run, options):
+    Path("stage.toml").write_text(MISSED, encoding="utf-8")
+    status, out, errors = run("survey", "stage.toml", *options)
+    assert status == 1
+    assert "missed" in out
+    assert Path("out/survey.json").exists() == ("-o" in options)
+    (line,) = errors
+    assert line.startswith("jounce: warning: Notch at 450 Hz, 0.9 of the Nyquist frequency of 500")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from shown import shown
 
+from jounce.analysis.survey_tables import survey_tables
 from jounce.app import survey_file
 from jounce.app.survey_data import survey_data
-from jounce.app.survey_report import survey_tables
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DEGREE = math.pi / 180

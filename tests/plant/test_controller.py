@@ -5,6 +5,7 @@ from math import comb, factorial, pi
 import control
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from jounce.analysis import loop_margins
 from jounce.plant import (
@@ -233,3 +234,52 @@ def test_a_law_alone_is_a_continuous_controller():
     assert as_controller(PID_LAW) == Controller(PID_LAW)
     with pytest.raises(TypeError, match="expected PID, CascadedPI or Controller"):
         ServoLoop(Axis(1.0), 3.0)
+
+
+def gain_at(controller, hz):
+    """Return what the filters of a digital controller make of a sine, by running them."""
+    x = np.cos(2 * np.pi * hz * T * np.arange(4000))
+    for b0, b1, b2, a1, a2 in controller.sections:
+        x = lfilter([b0, b1, b2], [1.0, a1, a2], x)
+    return np.abs(2.0 * np.mean(x[2000:] * np.exp(-2j * np.pi * hz * T * np.arange(2000))))
+
+
+@pytest.mark.parametrize("hz", [420.0, 437.0, 470.0])
+def test_a_notch_near_nyquist_is_warned_of_and_matched_stops_more_beside_it(hz):
+    notch = Notch(hz, zero_damping=0.05, pole_damping=0.5)
+    beside = 0.93 * hz
+    asked = abs(notch.transfer()(2j * np.pi * beside))
+    with pytest.warns(
+        UserWarning, match=f"Notch at {hz:g} Hz, .* Nyquist frequency of 500 Hz"
+    ) as w:
+        tustin = Controller(PID_LAW, filters=notch, sample_time=T)
+    (told,) = map(str, (each.message for each in w))
+    assert "discretisation = 'matched'" in told
+    matched = Controller(PID_LAW, filters=notch, sample_time=T, discretisation="matched")
+    assert gain_at(tustin, beside) > 2.0 * asked
+    assert gain_at(matched, beside) < 1.3 * asked
+    remedy = float(told.rpartition(" ")[2])
+    Controller(PID_LAW, filters=notch, sample_time=remedy)
+
+
+@pytest.mark.parametrize(
+    "element", [LowPass(410.0), LowPass(410.0, order=1), LeadLag(390.0, 441.0)]
+)
+def test_other_filters_near_nyquist_are_warned_of_with_a_sample_time_that_is_silent(element):
+    with pytest.warns(UserWarning, match="is distorted; use a sample time up to") as w:
+        Controller(PID_LAW, filters=element, sample_time=T)
+    Controller(PID_LAW, filters=element, sample_time=float(str(w[0].message).rpartition(" ")[2]))
+
+
+def test_a_held_notch_that_stops_nothing_is_warned_of():
+    notch = Notch(200.0, zero_damping=0.1, pole_damping=0.5)
+    with pytest.warns(UserWarning, match="discretisation = 'tustin'"):
+        held = Controller(PID_LAW, filters=notch, sample_time=T, discretisation="hold")
+    assert gain_at(held, 200.0) > 0.6
+    assert gain_at(Controller(PID_LAW, filters=notch, sample_time=T), 200.0) < 0.21
+
+
+def test_a_notch_whose_poles_lie_above_nyquist_is_refused():
+    skew = Notch(50.0, 600.0, zero_damping=0.1, pole_damping=0.5)
+    with pytest.raises(ValueError, match=r"use a sample time below 0\.0008333"):
+        Controller(PID_LAW, filters=skew, sample_time=T)

@@ -2,6 +2,7 @@
 
 import cmath
 import re
+import warnings
 from math import degrees, log10, pi
 
 import control
@@ -10,6 +11,7 @@ import pytest
 from scipy.optimize import brentq
 from tiers import some
 
+from jounce.analysis import loop_margins
 from jounce.plant import (
     Axis,
     Controller,
@@ -17,6 +19,7 @@ from jounce.plant import (
     FlexibleMode,
     Inertia,
     LowPass,
+    Notch,
     ServoLoop,
     design_pid,
 )
@@ -155,3 +158,16 @@ def test_the_lower_gain_margin_that_a_refusal_advises_is_reached(asked, sample_t
     advised = re.search(r"ask for a lower gain margin of ([\d.]+) dB", str(caught.value))
     gains = design_pid(axis, **given, lower_gain_margin_db=float(advised[1]))
     assert min(gains.kp, gains.ki, gains.kr) > 0.0
+
+
+@pytest.mark.parametrize("way", ["matched", "hold"])
+def test_the_design_has_its_margins_however_filters_are_sampled(way):
+    filters = (Notch(40.0, zero_damping=0.2, pole_damping=0.6), LowPass(200.0))
+    run = {"filters": filters, "sample_time": 2e-3, "delay": 1e-3, "discretisation": way}
+    asked = {"crossover_hz": 5.0, "phase_margin_deg": 40.0, "lower_gain_margin_db": 10.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of the notch that is held
+        gains = design_pid(2.0, **asked, **run)
+        margins = loop_margins(ServoLoop(Inertia(2.0), Controller(gains, **run)))
+    for name, value in asked.items():
+        assert getattr(margins, name) == pytest.approx(value, rel=1e-6)

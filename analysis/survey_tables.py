@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf, isfinite, nan
-from typing import TYPE_CHECKING
+from typing import Any
 
 from rich.table import Table
 from rich.text import Text
 
-from ..analysis.disturbed import total_of
-from ..analysis.margins.result import in_samples, shown_intervals
-from ..analysis.survey_of_data import MeasuredSurvey
-from .measured_report import margins_report
+from .disturbed import total_of
+from .limit_cycles import shown_wait
+from .margins.result import in_samples, shown_intervals
+from .requirement_table import requirements_table
+from .surveyed_moves import MoveResponse, MoveSurvey
 from .tables import WideTable, plain_table
 
-if TYPE_CHECKING:
-    from ..analysis.loop_survey import MoveResponse, MoveSurvey, Survey
+_NO_OVERSHOOT = 0.005  # %, told as 0.00: the largest value is then but the last one
 
 
-def survey_tables(survey: Survey | MeasuredSurvey) -> list[Table | WideTable | str]:
-    """Return the tables of a survey: what is required, margins, disturbances, moves."""
-    tables: list[Table | WideTable | str] = []
-    if survey.requirements:
-        tables.append(_requirements_table(survey))
-    if isinstance(survey, MeasuredSurvey):
-        return [*tables, *margins_report(survey.measured, survey.margins)]
+def survey_tables(survey: Any) -> list[Table | WideTable]:
+    """Return the tables of a Survey: what is required, margins, disturbances, moves."""
+    tables: list[Table | WideTable] = []
+    tables += requirements_table(survey.requirements, survey.labels)
     tables.append(_margins_table(survey))
     if survey.checks:
         tables.append(_design_table(survey))
@@ -37,7 +34,7 @@ def survey_tables(survey: Survey | MeasuredSurvey) -> list[Table | WideTable | s
     return [*tables, _vibration_table(survey)] if survey.modes else tables
 
 
-def _margins_table(survey: Survey) -> Table:
+def _margins_table(survey: Any) -> Table:
     margins = survey.margins
     table = plain_table("Loop margins", "", "value", "at")
     crossover = ("gain crossover", margins.crossover_hz, "Hz", nan)
@@ -58,20 +55,11 @@ def _margins_table(survey: Survey) -> Table:
     return table
 
 
-def _si(survey: Survey) -> str:
+def _si(survey: Any) -> str:
     return "rad" if survey.labels.motion == "angle" else "m"
 
 
-def _requirements_table(survey: Survey | MeasuredSurvey) -> Table:
-    table = plain_table("Requirements", "", "asked", "achieved", "")
-    for check in survey.requirements:
-        asked, achieved, verdict = check.shown(survey.labels)
-        colour = "green" if check.met else "red"
-        table.add_row(Text(check.requirement.name), asked, achieved, Text(verdict, colour))
-    return table
-
-
-def _design_table(survey: Survey) -> Table:
+def _design_table(survey: Any) -> Table:
     table = plain_table("Design check", "", "asked", "achieved", "")
     for check in survey.checks:
         verdict = Text("met", "green") if check.met else Text("missed", "red")
@@ -81,18 +69,19 @@ def _design_table(survey: Survey) -> Table:
     return table
 
 
-def _step_table(survey: Survey) -> Table:
+def _step_table(survey: Any) -> Table:
     step = survey.step
     part = "" if survey.is_ideal else ", of the linear part"
     table = plain_table(f"Unit step, without feedforward{part}", "", "value")
     table.add_row("overshoot", f"{step.overshoot_percent:.2f} %")
-    table.add_row("peak at", f"{step.peak_time_s:.4f} s")
+    if step.overshoot_percent >= _NO_OVERSHOOT:
+        table.add_row("peak at", f"{step.peak_time_s:.4f} s")
     table.add_row("rise, 10 to 90 %", f"{step.rise_time_s:.4f} s")
     table.add_row("settled to 2 %", f"{step.settling_time_s:.4f} s")
     return table
 
 
-def _disturbance_tables(survey: Survey) -> Iterator[Table]:
+def _disturbance_tables(survey: Any) -> Iterator[Table]:
     labels = survey.labels
     unit, scale = labels.position_unit, labels.position_scale
     if survey.disturbance is not None:
@@ -102,7 +91,8 @@ def _disturbance_tables(survey: Survey) -> Iterator[Table]:
         table.add_row("peak of the load", f"{step.peak / scale:.4g} {unit}")
         table.add_row("back within a tenth of it", _time(step.recovery_time_s))
         at_end = f"at the end, {step.response.time[-1]:.4g} s"
-        table.add_row(at_end, f"{step.final / scale:.4g} {unit}")
+        final = step.final if abs(step.final) > 1e-9 * step.peak else 0.0
+        table.add_row(at_end, f"{final / scale:.4g} {unit}")
         yield table
     if survey.budget:
         torque = f"{labels.torque_name} [{labels.torque_unit}]"
@@ -117,7 +107,7 @@ def _disturbance_tables(survey: Survey) -> Iterator[Table]:
         yield table
 
 
-def _real_moves_table(survey: Survey) -> WideTable:
+def _real_moves_table(survey: Any) -> WideTable:
     """Return the moves of a loop as it is, simulated with friction, limit and resolution."""
     labels, axis = survey.labels, survey.loop.axis
     unit, limit = labels.position_unit, axis.torque_limit
@@ -138,7 +128,7 @@ def _real_moves_table(survey: Survey) -> WideTable:
     return WideTable("Moves, in closed loop", columns)
 
 
-def _move_cells(survey: Survey, move: MoveSurvey, result: MoveResponse) -> list[str]:
+def _move_cells(survey: Any, move: MoveSurvey, result: MoveResponse) -> list[str]:
     scale, tolerance = survey.labels.position_scale, move.move.settle_to
     axis = survey.loop.axis
     followed = float(result.response.time[-1] - result.response.time[0])
@@ -151,11 +141,12 @@ def _move_cells(survey: Survey, move: MoveSurvey, result: MoveResponse) -> list[
     if axis.torque_limit < inf:
         cells.append(f"{result.saturated_time_s:.4g}")
     if axis.friction is not None:
-        cells.append(_never(result.next_breakaway_s))
+        slides = result.next_breakaway_s <= result.response.time[-1]
+        cells.append("slides" if slides else shown_wait(result.next_breakaway_s))
     return cells
 
 
-def _tracking_table(survey: Survey) -> Table:
+def _tracking_table(survey: Any) -> Table:
     unit, scale = survey.labels.position_unit, survey.labels.position_scale
     rms, peak = f"rms error of the load [{unit}]", f"peak [{unit}]"
     table = plain_table("Tracking", "", "from [s]", "to [s]", rms, peak, "slips")
@@ -176,15 +167,11 @@ def _time(value: float) -> str:
     return f"{value:.4f} s" if isfinite(value) else "never"
 
 
-def _never(value: float) -> str:
-    return f"{value:.4f}" if isfinite(value) else "never"
-
-
 def _finite(value: float) -> str:
     return f"{value:.4g}" if isfinite(value) else ""
 
 
-def _moves_table(survey: Survey) -> Table:
+def _moves_table(survey: Any) -> Table:
     unit, scale = survey.labels.position_unit, survey.labels.position_scale
     torque = survey.labels.torque_name
     table = plain_table(
@@ -210,7 +197,7 @@ def _moves_table(survey: Survey) -> Table:
     return table
 
 
-def _vibration_table(survey: Survey) -> Table:
+def _vibration_table(survey: Any) -> Table:
     """Return what the commands alone leave ringing in each mode at their end, in open loop."""
     unit, scale = survey.labels.position_unit, survey.labels.position_scale
     modes = survey.modes

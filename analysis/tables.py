@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from io import StringIO
+from typing import Literal, TextIO
 
 from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions
 from rich.table import Table
 from rich.text import Text
+
+_UNSEEN = 160  # characters of a line that no terminal shows
+
+
+def console_for(file: TextIO) -> Console:
+    """Return a console that prints text as it is, as wide as the terminal, if there is one."""
+    width = None if sys.stdout.isatty() else _UNSEEN
+    return Console(file=file, width=width, highlight=False, markup=False, emoji=False)
+
+
+def print_on(console: Console, parts: Iterable[object]) -> None:
+    """Print tables and plain text, the latter without wrapping."""
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
+
+
+def as_text(parts: Iterable[object]) -> str:
+    """Return tables and plain text as a terminal shows them."""
+    file = StringIO()
+    print_on(console_for(file), parts)
+    return "\n".join(line.rstrip() for line in file.getvalue().splitlines())
 
 
 def plain_table(title: str, *columns: str) -> Table:
