@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import isfinite, sqrt
 from typing import Any
 
@@ -20,8 +23,45 @@ def inside(value: float, low: float, high: float) -> float:
     return value
 
 
+@dataclass(frozen=True)
+class Reason:
+    """What is told of a problem without a motion: the attributes of `InfeasibleError`."""
+
+    message: str
+    nearest: float | None = None
+    time: float | None = None
+    state: tuple[float, ...] | None = None
+
+    def headed(self, name: str) -> Reason:
+        """Return the reason with a name before its message."""
+        return replace(self, message=f"{name}{self.message}")
+
+
+class LaterReason:
+    """A reason that is worked out when it is first asked for: it may take as long as a plan."""
+
+    def __init__(self, work_out: Callable[[], Reason]) -> None:
+        self._work_out = work_out
+
+    @cached_property
+    def reason(self) -> Reason:
+        """The reason."""
+        return self._work_out()
+
+    def __str__(self) -> str:
+        """Return the message."""
+        return self.reason.message
+
+    def __repr__(self) -> str:
+        """Return the message as it is shown within an error."""
+        return repr(str(self))
+
+
 class InfeasibleError(ValueError):
     """Raised where no motion within the limits leads from the start to the end.
+
+    At orders 4 and above and within bounds on position only `bound` is known at once: all else, the
+    message included, is worked out when it is first asked for.
 
     Attributes
     ----------
@@ -41,24 +81,47 @@ class InfeasibleError(ValueError):
 
     def __init__(
         self,
-        message: str,
+        message: str | LaterReason,
         bound: str,
-        nearest: float | None,
+        nearest: float | None = None,
         time: float | None = None,
         state: tuple[float, ...] | None = None,
     ) -> None:
         super().__init__(message)
-        self.bound, self.nearest, self.time, self.state = bound, nearest, time, state
+        self.bound = bound
+        if isinstance(message, str):
+            self._told: Reason | LaterReason = Reason(message, nearest, time, state)
+        else:
+            self._told = message
+
+    @property
+    def reason(self) -> Reason:
+        """All that is told."""
+        return self._told if isinstance(self._told, Reason) else self._told.reason
+
+    @property
+    def nearest(self) -> float | None:
+        """The nearest value that can be reached."""
+        return self.reason.nearest
+
+    @property
+    def time(self) -> float | None:
+        """When the bound would be exceeded."""
+        return self.reason.time
+
+    @property
+    def state(self) -> tuple[float, ...] | None:
+        """The start or the end with the nearest value in its place."""
+        return self.reason.state
 
     def __reduce__(self) -> tuple[type[InfeasibleError], tuple[Any, ...]]:
         """Return what it takes to send the error to another process."""
-        told = str(self), self.bound, self.nearest, self.time, self.state
-        return InfeasibleError, told
+        told = self.reason
+        return InfeasibleError, (told.message, self.bound, told.nearest, told.time, told.state)
 
     def headed(self, name: str) -> InfeasibleError:
         """Return the error with a name before its message."""
-        told = f"{name}{self}", self.bound, self.nearest, self.time, self.state
-        return InfeasibleError(*told)
+        return InfeasibleError(LaterReason(lambda: self.reason.headed(name)), self.bound)
 
 
 def check_end(velocity: float, acceleration: float, limits: Limits) -> None:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 
 from .costate import Multipliers
-from .elastic import Elastic, Found
+from .elastic import Elastic
 from .maps import node_states
-from .polynomials import value
+from .polynomials import last_root, value
 from .problem import WholeProblem
 from .relaxation import MeanRows
 from .sampled import first_sizes
@@ -19,7 +18,8 @@ from .warm_program import Effort
 _CELLS = 40
 _PARTS = 2
 _HALVINGS = 10
-_BISECTIONS = 10
+_STEPS = 10
+_HARDLY = 5e-3  # relative: a step that is the last
 _SHORTEST = 1e-4  # of the time in which a bound is broken
 _CLEARLY = 1e-7  # of the sizes: an excess below is the solver's
 
@@ -44,26 +44,37 @@ class DeadEnd:
 
 def dead_end(problem: WholeProblem, longest: float, effort: Effort) -> DeadEnd | None:
     """Return the proof that start or end is one, in up to `longest`; None where none is found."""
-    for backwards in (False, True):
-        seen = problem.reversed() if backwards else problem
-        if not seen.start[1:].any():
-            continue  # at rest it can stay
-        found = _leaving(seen, longest, effort)
-        if found is not None:
-            return DeadEnd(found[0], found[1], backwards)
+    sides = [
+        (backwards, _Leaving(seen, effort))
+        for backwards, seen in enumerate((problem, problem.reversed()))
+        if seen.start[1:].any()  # at rest it can stay
+    ]
+    for halving in range(_HALVINGS):
+        time = longest * 0.5**halving
+        for backwards, leaving in sides:
+            multipliers = leaving.excluded(time)
+            if multipliers is not None:
+                return DeadEnd(time, multipliers, bool(backwards))
     return None
 
 
 def kept_until(problem: WholeProblem, dead: DeadEnd) -> float:
-    """Return about how long a motion from a dead end can keep the bounds."""
+    """Return about how long a motion from a dead end can keep the bounds.
+
+    By Newton's method from above: multipliers exclude down to a root of their polynomial.
+    """
     leaving = _Leaving(problem.reversed() if dead.backwards else problem, Effort())
-    low, high = _SHORTEST * dead.time, dead.time
-    for _ in range(_BISECTIONS):
-        middle = sqrt(low * high)
-        found = leaving.solve(middle)
-        broken = found is not None and found.missing > _CLEARLY
-        low, high = (low, middle) if broken else (middle, high)
-    return high
+    time = dead.time
+    multipliers: Multipliers | None = dead.multipliers
+    for _ in range(_STEPS):
+        if multipliers is None:
+            break
+        polynomial = multipliers.polynomial(leaving.problem, multipliers.costate())
+        before, time = time, max(last_root(polynomial, time), _SHORTEST * dead.time)
+        if time >= before * (1.0 - _HARDLY):
+            break
+        multipliers = leaving.excluded(time)
+    return time
 
 
 class _Leaving:
@@ -76,26 +87,17 @@ class _Leaving:
         self.means = MeanRows.make(problem, self._maps, nodes, _PARTS)
         self._every = np.ones(len(self.means.rows.derivative), dtype=bool)
 
-    def solve(self, time: float) -> Found | None:
-        """Return by how much bounds are broken in a time at the least; None if the solver fails."""
-        sizes = first_sizes(self.problem, time)
-        ends, rows = self._maps[:, -1], self.means.rows
-        program = Elastic(
-            self.problem, ends, rows, sizes, self._every, free=True, effort=self._effort
-        )
-        return program.solve(time)
+    def excluded(self, time: float) -> Multipliers | None:
+        """Return multipliers that prove that bounds are broken by a time; None if none are found.
 
-
-def _leaving(
-    problem: WholeProblem, longest: float, effort: Effort
-) -> tuple[float, Multipliers] | None:
-    leaving = _Leaving(problem, effort)
-    for halving in range(_HALVINGS):
-        time = longest * 0.5**halving
-        found = leaving.solve(time)
+        Bounds give way by the least that it takes.
+        """
+        problem, rows, ends = self.problem, self.means.rows, self._maps[:, -1]
+        sizes = first_sizes(problem, time)
+        program = Elastic(problem, ends, rows, sizes, self._every, free=True, effort=self._effort)
+        found = program.solve(time)
         if found is None or not found.missing > _CLEARLY:
-            continue
-        multipliers = leaving.means.multipliers(problem, found.ends, found.rows)
-        if value(multipliers.polynomial(problem, multipliers.costate()), time) > 0.0:
-            return time, multipliers
-    return None
+            return None
+        multipliers = self.means.multipliers(problem, found.ends, found.rows)
+        proven = value(multipliers.polynomial(problem, multipliers.costate()), time) > 0.0
+        return multipliers if proven else None

@@ -17,6 +17,7 @@ _CELLS = 36
 _GRADED = 1.5  # cells are short where the motion begins
 _LONGER = (1.0, 3.0, 9.0, 27.0)  # times the time in which no bound is kept
 _ANY = tuple(2.0**i for i in range(-6, 7))
+_TRIED = (1.0, 0.25, 4.0, 0.05)  # durations of a motion to rest
 _SHRINK = 1e-2  # of the highest bound: so that what is found is inside
 _HARDLY = 0.01  # less, relative: then a longer time is of no use
 _NOTHING = 1e-7  # of its size: a value that is zero
@@ -53,6 +54,20 @@ def nearest_end(problem: WholeProblem, derivative: int) -> float | None:
     change = _least_change(seen, derivative, _ANY, onto=True)
     sign = -1.0 if derivative % 2 else 1.0
     return None if change == inf else sign * _changed(seen, derivative, change)
+
+
+def comes_to_rest(problem: WholeProblem) -> bool:
+    """Tell whether a motion is found from the start to rest within the bounds, in about unit time.
+
+    That none is found proves nothing.
+    """
+    if not problem.start[1:].any():
+        return True
+    highest, most = problem.order - 1, float(problem.upper[-1] - problem.lower[-1])
+    return any(
+        abs(_change(problem, highest, time, onto=False)) <= _NOTHING * most * time
+        for time in _TRIED
+    )
 
 
 def _changed(problem: WholeProblem, derivative: int, change: float) -> float:

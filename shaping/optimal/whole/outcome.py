@@ -10,10 +10,10 @@ import numpy as np
 
 from ...derivatives import derivative_name
 from ...limits import Limits, check_both_sides
-from ...transfers.infeasible import InfeasibleError, inside
+from ...transfers.infeasible import InfeasibleError, LaterReason, Reason, inside
 from ..proof import CostateLink, TaylorLink
 from .dead_end import DeadEnd, kept_until
-from .nearest_state import nearest_end, nearest_starts
+from .nearest_state import comes_to_rest, nearest_end, nearest_starts
 from .planner import (
     DEFAULT_RTOL,
     HIGHEST_ORDER,
@@ -55,7 +55,7 @@ def found_plan(start: Numbers, end: Numbers, limits: Limits, *, rtol: float = DE
     if plan.impossible:
         raise impossible(plan)
     if plan.search.best is None:
-        raise _not_found(plan)
+        raise InfeasibleError(LaterReason(lambda: _not_found(plan)), "")
     return plan
 
 
@@ -134,45 +134,54 @@ def warn_if_far(plan: Plan, rtol: float, duration: float, stacklevel: int = 4) -
 def impossible(plan: Plan) -> InfeasibleError:
     """Return the error for a problem that is proven to have no motion: which bound, and when."""
     link, dead = plan.proof.links[-1], plan.search.dead_end
-    if dead is not None and isinstance(link, CostateLink):
-        return _of_dead_end(plan, link, dead)
     if isinstance(link, TaylorLink):
         k, sign, wrong = link.remainder, link.sign, link.derivative
     else:
         assert isinstance(link, CostateLink)
-        k, sign, _ = _violated(plan, link)
+        k, sign = _violated(plan, link)
         wrong = 0
+    bound = k, sign
+    if dead is None:
+        later = LaterReason(lambda: _no_way(plan, bound, wrong))
+    else:
+        later = LaterReason(lambda: _of_dead_end(plan, bound, dead))
+    return InfeasibleError(later, derivative_name(k))
+
+
+def _no_way(plan: Plan, bound: tuple[int, int], wrong: int) -> Reason:
+    """Return the reason where the end cannot be reached: a derivative of it that is wrong."""
+    k, sign = bound
     value = nearest_end(plan.search.problem, wrong)
     nearest = None if value is None else _working(plan, "end", wrong, value)
-    name, other = derivative_name(k), derivative_name(wrong)
+    other = derivative_name(wrong)
     end = f"choose another {other} at the end"
     if nearest is not None:
         end = f"end with {other} = {nearest[0]!r}, the nearest that was found"
-    return InfeasibleError(
+    return Reason(
         "no motion within the limits leads from the start to the end, in whatever time: the "
-        f"{name} bound {_side(plan, k, sign):g} stands in the way; raise it, or {end}",
-        name,
+        f"{derivative_name(k)} bound {_side(plan, k, sign):g} stands in the way; raise it, or "
+        f"{end}",
         *_attributes(nearest, None),
     )
 
 
-def _not_found(plan: Plan) -> InfeasibleError:
-    """Return the error for a problem of which neither a motion nor a proof of none was found."""
+def _not_found(plan: Plan) -> Reason:
+    """Return what is told where neither a motion nor a proof of none was found."""
     value = nearest_end(plan.search.problem, 0)
     nearest = None if value is None else _working(plan, "end", 0, value)
     remedy = "move the states away from their bounds"
     if nearest is not None:
         remedy = f"end with position = {nearest[0]!r}, the nearest that was found"
-    return InfeasibleError(
+    return Reason(
         f"no motion was found: every duration up to {plan.lower_bound:.10g} is impossible, of "
         f"longer ones nothing is known; {remedy}",
-        "",
         *_attributes(nearest, None),
     )
 
 
-def _of_dead_end(plan: Plan, link: CostateLink, dead: DeadEnd) -> InfeasibleError:
-    k, sign, _ = _violated(plan, link)
+def _of_dead_end(plan: Plan, bound: tuple[int, int], dead: DeadEnd) -> Reason:
+    """Return the reason where the start or the end is a dead end."""
+    k, sign = bound
     name, highest = derivative_name(k), derivative_name(plan.problem.order)
     time = ldexp(kept_until(plan.search.problem, dead), plan.time)
     side, when, verb = (
@@ -187,11 +196,10 @@ def _of_dead_end(plan: Plan, link: CostateLink, dead: DeadEnd) -> InfeasibleErro
             named = f"{derivative_name(derivative)} = {nearest[0]!r}"
             remedy = f"{side} with {named}, the nearest that was found"
             break
-    return InfeasibleError(
+    return Reason(
         f"no motion within the limits {verb} the {side}: {name} would exceed its bound "
         f"{_side(plan, k, sign):g} about {time:.3g} {when}, whatever the {highest}; raise that "
         f"bound, or {remedy}",
-        name,
         *_attributes(nearest, -time if dead.backwards else time),
     )
 
@@ -212,18 +220,20 @@ def _working(plan: Plan, side: str, derivative: int, own: float) -> tuple[float,
         replace(plan.problem, end=state) if side == "end" else replace(plan.problem, start=state)
     )
     numbers = tuple(map(float, state))
-    return (value, numbers) if _has_motion(problem, side) else None
+    return (value, numbers) if _has_motion(plan, problem, side) else None
 
 
-def _has_motion(problem: WholeProblem, mended: str) -> bool:
+def _has_motion(plan: Plan, problem: WholeProblem, mended: str) -> bool:
     """Tell whether a problem with a start or end from which rest can be reached has a motion.
 
     Between states of rest there is one where no bound is zero on a side.
     """
-    other = problem.start if mended == "end" else problem.end
     if (problem.start == problem.end).all():
         return True
-    if not other[1:].any() and not (problem.lower[1:] * problem.upper[1:] == 0.0).any():
+    own = problem.scaled(plan.length, plan.time)
+    other = own if mended == "end" else own.reversed()
+    both_ways = not (problem.lower[1:] * problem.upper[1:] == 0.0).any()
+    if both_ways and comes_to_rest(other):
         return True
     found = roughly_planned(problem)
     return not found.impossible and found.search.best is not None
@@ -233,26 +243,20 @@ def _side(plan: Plan, k: int, sign: int) -> float:
     return float((plan.problem.upper if sign > 0 else plan.problem.lower)[k])
 
 
-def _violated(plan: Plan, link: CostateLink) -> tuple[int, int, float]:
-    """Return the lowest derivative whose bound a proof rests on, its side, and the mean time."""
+def _violated(plan: Plan, link: CostateLink) -> tuple[int, int]:
+    """Return the lowest derivative whose bound a proof rests on, and its side."""
     cells = np.array(link.cells)
-    rights = np.cumsum(cells)
     atoms, densities = dict(link.atoms), dict(link.densities)
     problem = plan.problem.reversed() if link.free == "end" else plan.problem
-    found: list[tuple[float, int, int, float]] = []
+    found: list[tuple[int, int, float]] = []
     for k, row in atoms.items():
         mass = np.array(row) + np.array(densities[k]).sum(axis=0) * cells / len(densities[k])
         for sign, part in ((1, np.maximum(-mass, 0.0)), (-1, np.maximum(mass, 0.0))):
             bound = (problem.upper if sign > 0 else problem.lower)[k]
             if part.any():
                 size = max(abs(float(bound)), abs(float(problem.start[k])))
-                weight = float(part.sum()) * size * link.low**k
-                when = float(part @ (rights - 0.5 * cells) / part.sum())
-                found.append((weight, k, sign, when))
-    most = max((weight for weight, *_ in found), default=inf)
-    found.sort(key=lambda told: told[1])
-    last = (most, problem.order, 1, 0.0)
-    _, k, sign, when = next((told for told in found if told[0] >= _NOTABLE * most), last)
-    if link.free == "end" and k % 2:
-        sign = -sign
-    return k, sign, when
+                found.append((k, sign, float(part.sum()) * size * link.low**k))
+    most = max((weight for *_, weight in found), default=inf)
+    notable = ((k, sign) for k, sign, weight in sorted(found) if weight >= _NOTABLE * most)
+    k, sign = next(notable, (problem.order, 1))
+    return k, -sign if link.free == "end" and k % 2 else sign

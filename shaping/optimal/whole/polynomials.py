@@ -44,6 +44,13 @@ def first_root(coefficients: FloatArray, after: float, until: float = inf) -> fl
     return after
 
 
+def last_root(coefficients: FloatArray, before: float) -> float:
+    """Return the last T < before at which a polynomial is zero, by its roots; 0 where none is."""
+    roots = np.polynomial.polynomial.polyroots(np.trim_zeros(coefficients, "b"))
+    real = roots.real[np.abs(roots.imag) <= 1e-7 * np.abs(roots)]
+    return float(max(real[(real > 0.0) & (real < before)], default=0.0))
+
+
 def is_positive(coefficients: FloatArray, low: float, high: float) -> bool:
     """Tell whether a polynomial is proven positive on [low, high], rounding allowed for.
 

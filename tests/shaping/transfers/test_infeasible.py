@@ -2,6 +2,7 @@
 
 import pickle
 import re
+import traceback
 from dataclasses import replace
 from math import inf
 
@@ -11,6 +12,7 @@ from references import assert_sound_transfer
 from strategies import TransferProblem, random_transfer
 
 from jounce.shaping import InfeasibleError, Limits, min_time_transfer, velocity_transfer
+from jounce.shaping.transfers.infeasible import LaterReason, Reason
 
 LIMITS = Limits(velocity=(-2.0, 1.0), acceleration=(-3.0, 2.0), jerk=(-4.0, 8.0))
 
@@ -154,3 +156,20 @@ def test_of_an_acceleration_that_no_velocity_allows_the_nearest_velocity_is_a_bo
     with pytest.raises(InfeasibleError) as caught:
         min_time_transfer(0.0, (0.0, -1.2, -2.8), limits)
     assert (caught.value.bound, caught.value.nearest) == ("velocity", -0.2)
+
+
+def test_a_later_reason_is_worked_out_once_and_only_where_it_is_asked_for():
+    asked = []
+
+    def work_out():
+        asked.append("")
+        return Reason("too fast", 0.25, -1.5, (0.0, 0.25))
+
+    error = InfeasibleError(LaterReason(work_out), "velocity").headed("axis 2: ")
+    assert (error.bound, asked) == ("velocity", [])
+    again = pickle.loads(pickle.dumps(error))
+    for one in (error, again):
+        assert f"{one} {one!r}" == "axis 2: too fast InfeasibleError('axis 2: too fast')"
+        assert (one.nearest, one.time, one.state) == (0.25, -1.5, (0.0, 0.25))
+    assert asked == [""]
+    assert "InfeasibleError: axis 2: too fast" in "".join(traceback.format_exception(error))
