@@ -20,6 +20,7 @@ from .first_time import taylor_chain, taylor_slopes
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
+from .warm_program import EFFORT, Effort
 
 Numbers = tuple[float, ...]
 
@@ -28,6 +29,8 @@ DEFAULT_RTOL = 1e-4
 
 ROUGHLY_RTOL = 0.5
 """Gap that is asked for where only a motion is sought, or the proof that there is none."""
+
+_ROUGHLY_EFFORT = 0.1 * EFFORT
 
 HIGHEST_ORDER = 10
 """Highest order that is planned over the whole horizon."""
@@ -125,30 +128,45 @@ class Plan:
             return np.zeros((2, search.problem.order + 1))
         return link.multipliers.slopes(search.problem, search.lower)
 
-    def refined(self, rtol: float) -> Plan:
+    def refined(self, rtol: float, effort: Effort | None = None) -> Plan:
         """Return the plan after a longer search."""
         further = copy(self.search)
         further.chain = list(further.chain)
-        further.run(rtol)
+        further.run(rtol, effort=effort)
         return replace(self, search=further)
 
 
-def planned(start: Numbers, end: Numbers, limits: Limits, rtol: float = DEFAULT_RTOL) -> Plan:
+def planned(
+    start: Numbers,
+    end: Numbers,
+    limits: Limits,
+    rtol: float = DEFAULT_RTOL,
+    *,
+    effort: float = EFFORT,
+) -> Plan:
     """Return a plan between two states, those of order n with n numbers each."""
     lower, upper = (
         (side, *sides)
         for side, sides in zip(limits.position, (limits.lower, limits.upper), strict=True)
     )
-    return _planned(start, end, lower, upper, rtol)
+    return _planned(start, end, lower, upper, rtol, effort)
 
 
 def roughly_planned(problem: WholeProblem) -> Plan:
     """Return a plan of a problem whose numbers are the caller's, near its minimum or not."""
-    return _planned(*(tuple(map(float, side)) for side in vars(problem).values()), ROUGHLY_RTOL)
+    numbers = (tuple(map(float, side)) for side in vars(problem).values())
+    return _planned(*numbers, ROUGHLY_RTOL, _ROUGHLY_EFFORT)
 
 
 @lru_cache(maxsize=32)
-def _planned(start: Numbers, end: Numbers, lower: Numbers, upper: Numbers, rtol: float) -> Plan:
+def _planned(
+    start: Numbers,
+    end: Numbers,
+    lower: Numbers,
+    upper: Numbers,
+    rtol: float,
+    effort: float = EFFORT,
+) -> Plan:
     problem = WholeProblem(*(np.array(numbers) for numbers in (start, end, lower, upper)))
     with np.errstate(all="ignore"):
         chain = taylor_chain(problem)
@@ -160,7 +178,7 @@ def _planned(start: Numbers, end: Numbers, lower: Numbers, upper: Numbers, rtol:
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         search = Search(inner)
-        search.run(rtol)
+        search.run(rtol, effort=Effort(effort))
     return Plan(problem, search, length, time)
 
 

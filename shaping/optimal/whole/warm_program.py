@@ -20,8 +20,10 @@ _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     {},
 )
 _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
-_EFFORT = 5e9  # of one search: five to ten seconds
 _OVERHEAD = 20  # iterations that a run is worth before it begins
+
+EFFORT = 5e9
+"""Of one search: five to ten seconds."""
 
 
 @dataclass(eq=False)
@@ -31,7 +33,7 @@ class Effort:
     So that a search ends with the same on every machine.
     """
 
-    left: float = _EFFORT
+    left: float = EFFORT
 
 
 @dataclass(frozen=True, eq=False)
