@@ -6,11 +6,12 @@ from .batches.averages import averaged_move
 from .checks import finite, positive
 from .closed_moves import check_move_limits
 from .limits import Limits, of_one
+from .optimal.long_plan import LongPlan, long_plan
 from .optimal.quick_bounds import least_duration, plain_limits
 from .optimal.smoothing import even_are_symmetric
 from .optimal.whole.lasting import lasting
 from .optimal.whole.outcome import found_plan, inside_bounds, warn_if_far
-from .optimal.whole.planner import HIGHEST_ORDER, planned
+from .optimal.whole.planner import HIGHEST_ORDER, Plan, planned
 from .plain_moves import Method, plain_move
 from .trajectory import Trajectory, point
 from .transfers.infeasible import InfeasibleError
@@ -78,7 +79,8 @@ def _whole_move(
     if closed is not None and closed.duration <= least * (1.0 + rtol):
         return closed
     try:
-        plan = found_plan(begin, end, limits, rtol=rtol)
+        plan: LongPlan | Plan | None = long_plan(begin, end, limits, rtol=rtol)
+        plan = plan or found_plan(begin, end, limits, rtol=rtol)
     except InfeasibleError:
         if closed is None:
             raise

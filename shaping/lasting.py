@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import ceil, inf
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from .transfers.problem import Problem, Transfer
 
 _ROUNDING = 16.0 * 2.0**-52
+_LEAST = -300.0  # exponent of two of a share that counts as none
+_SAME_SHARE = 2e-13  # of exponents
 _NEAR = 1e-6  # relative: durations between which a move is slowed down as a whole
 
 
@@ -26,8 +29,8 @@ def move_lasting(
 ) -> Trajectory:
     """Return the fastest move from rest to rest, made to last as long as is asked for.
 
-    At orders 2 and 3 it cruises at a lower velocity. Above it needs the smallest share of the
-    highest bound where that is asked for, and else is slowed down as a whole.
+    It needs the smallest share of the highest bound, at orders 2 and 3 exactly; from order 4 on
+    where that is asked for: else it is slowed down as a whole.
     """
     least = move.duration
     wanted = _whole_samples(least if duration is None else positive("duration", duration), round_to)
@@ -47,7 +50,7 @@ def move_lasting(
     from .transfers.problem import Problem
 
     start, end = (float(state[0]) for state in (move.start_state, move.end_state))
-    return Problem(start, end, limits).lasting(wanted).trajectory
+    return _gentlest(Problem(start, end, limits), wanted).trajectory
 
 
 def transfer_lasting(problem: Problem, duration: float | None, round_to: float | None) -> Transfer:
@@ -71,7 +74,46 @@ def transfer_lasting(problem: Problem, duration: float | None, round_to: float |
             f"duration = {duration!r} is none that this transfer can take: possible are those "
             f"{_told(possible)}; give one of them, or raise the limits"
         )
-    return problem.lasting(wanted)
+    return _gentlest(problem, wanted)
+
+
+def _gentlest(problem: Problem, duration: float) -> Transfer:
+    """Return the transfer of a possible duration with the smallest share of the highest bound.
+
+    Whatever a share allows a larger one does, too: bisected to the last bits. A start that leaves
+    its bounds is brought inside with all of it.
+    """
+    from .transfers.problem import Transfer
+
+    if problem.fastest().inside_after or problem.start == problem.end:
+        return problem.lasting(duration)
+    high, step, best = 0.0, 1.0, problem  # of the share's logarithm
+    while high > _LEAST and (found := _with_share(problem, high - step, duration)) is not None:
+        high, step, best = high - step, 2.0 * step, found
+    low = high - step
+    while high - low > _SAME_SHARE:
+        share = 0.5 * (low + high)
+        found = _with_share(problem, share, duration)
+        low, high, best = (share, high, best) if found is None else (low, share, found)
+    if any((*best.start[1:], *best.end[1:])):
+        return replace(best.lasting(duration), limits=problem.limits)
+    fastest = best.fastest().trajectory
+    return Transfer(fastest.stretch(duration / fastest.duration), problem.limits)
+
+
+def _with_share(problem: Problem, exponent: float, duration: float) -> Problem | None:
+    """Return the problem with 2^exponent of the highest bound; None if it has no such duration."""
+    *lower, (least, most) = zip(problem.limits.lower, problem.limits.upper, strict=True)
+    share, n = 2.0**exponent, problem.limits.order
+    try:
+        within = Limits.from_bounds([*lower, (share * least, share * most)])
+        less = type(problem)(problem.start[:n], problem.end[:n], within)
+        if less.fastest().inside_after:
+            return None
+        possible = any(_within(duration, interval) for interval in less.possible_durations())
+    except ValueError:  # an end that cannot be reached any more, or a time beyond doubles
+        return None
+    return less if possible else None
 
 
 def _whole_samples(duration: float, round_to: float | None) -> float:

@@ -39,10 +39,10 @@ def min_time_move(
         `proven_excess` says at once how much it loses at most, `certify` how much.
         "optimal" (default) is that or, from n = 4, a linear program's motion where it is faster.
     duration : float, optional
-        How long the move is to take, the minimum at least. It then cruises at a lower velocity
-        where n is 2 or 3; from 4 on, and within bounds on position, it is the motion that needs
-        the smallest share of the bound on the highest derivative. With "closed-form" the fastest
-        move is slowed down as a whole, x(t) → x(t/c), which divides derivative k by c^k.
+        How long the move is to take, the minimum at least. It then needs the smallest share of
+        the bound on the highest derivative: to rounding for n ≤ 3, on a grid above. With
+        "closed-form" the fastest move is slowed down as a whole from n = 4 on, x(t) → x(t/c),
+        which divides derivative k by c^k.
     round_to : float, optional
         Sample time: the duration is rounded up to a whole number of samples.
     rtol : float, optional

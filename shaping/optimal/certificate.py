@@ -15,13 +15,16 @@ from ..limits import Limits, of_one
 from ..pieces import evaluate
 from ..told import Told
 from ..trajectory import Motion, Trajectory, as_trajectory
+from ..transfers.infeasible import InfeasibleError
 from .half_bounds import proven_by_half
-from .proof import Proof, Proven, Slopes
+from .long_plan import long_plan
+from .proof import Numbers, Proof, Proven, Slopes
 from .proof_check import holds
 from .quick_bounds import least_duration
 from .smoothing import even_are_symmetric, truncated
 from .whole.outcome import check_whole
 from .whole.planner import HIGHEST_ORDER, Plan, planned
+from .whole.warm_program import Effort
 
 _ROUNDING = 1e-12  # of the gap that a certificate tells
 _AT_REST = 1e-9  # of a derivative's peak
@@ -262,33 +265,62 @@ def _certificate(
 
 
 def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Proven:
-    """Return what a search proves, of fewer derivatives where the highest ones spoil it."""
-    n, best = limits.order, None
+    """Return what one effort proves, of fewer derivatives where the highest ones spoil it."""
+    n, effort = limits.order, Effort()
+    best = _by_ramps(move, limits, rtol, rests)
     for order in range(n, 1, -1):
+        if best is not None and (
+            move.duration <= best.lower_bound * (1.0 + rtol) or effort.left <= 0.0
+        ):
+            break
         low, high = limits.bounds(order)
         if not -inf < low < 0.0 < high < inf:
             continue
-        below = limits if order == n else truncated(limits, order)
-        start, end = (
-            (float(state[0]), *(0.0 if rests else float(x) for x in state[1:order]))
-            for state in (move.start_state, move.end_state)
-        )
-        found = _searched(move.duration, planned(start, end, below), rtol)
-        best = found if best is None or found.lower_bound > best.lower_bound else best
-        if move.duration <= best.lower_bound * (1.0 + rtol):
-            break
+        states = _states(move, order, rests)
+        if order == n:
+            plan = planned(*states, limits)
+        else:
+            plan = planned(*states, truncated(limits, order), effort=effort.left)
+            effort = plan.search.effort
+        found = _refined(move.duration, plan, rtol, effort)
+        if best is None or found.lower_bound > best.lower_bound:
+            best = Proven(found.lower_bound, found.sensitivities, found.slopes, found.proof)
     assert best is not None
-    return Proven(best.lower_bound, best.sensitivities, best.slopes, best.proof)
+    return best
 
 
-def _searched(duration: float, plan: Plan, rtol: float) -> Plan:
+def _states(move: Trajectory, order: int, rests: bool) -> tuple[Numbers, Numbers]:
+    start, end = (
+        (float(state[0]), *(0.0 if rests else float(x) for x in state[1:order]))
+        for state in (move.start_state, move.end_state)
+    )
+    return start, end
+
+
+def _by_ramps(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Proven | None:
+    """Return what ramps and a cruise prove; None where the motion is not as long."""
+    start, end = _states(move, limits.order, rests)
+    try:
+        plan = long_plan(start, end, limits, rtol=rtol)
+        if plan is None or move.duration <= plan.lower_bound * (1.0 + rtol):
+            return None if plan is None else plan.proven
+        finer = long_plan(start, end, limits, rtol=_TARGETS[-1] * rtol)
+    except InfeasibleError:  # or a ramp was not found
+        return None
+    assert finer is not None
+    return max((plan, finer), key=lambda each: each.lower_bound).proven
+
+
+def _refined(duration: float, plan: Plan, rtol: float, effort: Effort) -> Plan:
     """Return a plan searched for long enough to prove what there is to prove."""
     for target in _TARGETS:
         if duration <= plan.lower_bound * (1.0 + rtol) or plan.search.gap <= target * rtol:
             break
         if duration > plan.lower_bound * (1.0 + plan.search.gap) * (1.0 + rtol):
             break  # it is the motion that is slow
-        plan = plan.refined(target * rtol)
+        if effort.left <= 0.0:
+            break
+        plan = plan.refined(target * rtol, effort)
     return plan
 
 

@@ -83,7 +83,50 @@ class MirroredLink:
     cruise: float = 0.0
 
 
-Link = TaylorLink | CostateLink | MirroredLink
+@dataclass(frozen=True)
+class Ramp:
+    """Multipliers of a motion up to the velocity of a cruise: λ = (1, 0, …, 0) at its end.
+
+    With them Σ_k of what bounds and start allow, in `time`, is the farthest that it comes.
+
+    Attributes
+    ----------
+    time : float
+    cells, atoms, densities
+        As in `CostateLink`.
+    """
+
+    time: float
+    cells: Numbers
+    atoms: tuple[tuple[int, Numbers], ...]
+    densities: tuple[tuple[int, tuple[Numbers, ...]], ...]
+
+
+@dataclass(frozen=True)
+class CruisingLink:
+    """Durations from low to high are impossible: both ramps and a cruise at v come less far.
+
+    T·hi_1/W is what a cruise of that length adds, W = onto.time + cruise + off.time.
+
+    Attributes
+    ----------
+    low, high : float
+    sign : int
+        1 forwards; −1 for the mirror image, x → −x.
+    onto, off : Ramp
+        From the start on; from the end on, of x(t) → −x(−t).
+    cruise : float
+    """
+
+    low: float
+    high: float
+    sign: int
+    onto: Ramp
+    off: Ramp
+    cruise: float
+
+
+Link = TaylorLink | CostateLink | MirroredLink | CruisingLink
 
 
 @dataclass(frozen=True)
@@ -161,15 +204,23 @@ def _link(data: dict[str, Any]) -> Link:
     high = inf if data["high"] is None else data["high"]
     if kind == "TaylorLink":
         return TaylorLink(**{**data, "high": high})
-    multipliers = (
-        _numbers(data["cells"], inf),
-        _numbers(data["ends"], inf),
-        tuple((k, _numbers(row, inf)) for k, row in data["atoms"]),
-        tuple((k, tuple(_numbers(row, inf) for row in rows)) for k, rows in data["densities"]),
-    )
+    if kind == "CruisingLink":
+        onto, off = (Ramp(data[name]["time"], *_measures(data[name])) for name in ("onto", "off"))
+        return CruisingLink(data["low"], high, data["sign"], onto, off, data["cruise"])
+    cells, atoms, densities = _measures(data)
+    multipliers = (cells, _numbers(data["ends"], inf), atoms, densities)
     if kind == "MirroredLink":
         return MirroredLink(data["low"], high, *multipliers, data["cruise"])
     return CostateLink(data["low"], high, *multipliers, data["free"])
+
+
+def _measures(data: dict[str, Any]) -> tuple[Any, Any, Any]:
+    """Return cells, atoms and densities."""
+    return (
+        _numbers(data["cells"], inf),
+        tuple((k, _numbers(row, inf)) for k, row in data["atoms"]),
+        tuple((k, tuple(_numbers(row, inf) for row in rows)) for k, rows in data["densities"]),
+    )
 
 
 def _numbers(values: list[float | None], missing: float) -> Numbers:
@@ -177,6 +228,8 @@ def _numbers(values: list[float | None], missing: float) -> Numbers:
 
 
 def _without_infinities(value: Any) -> Any:
+    if isinstance(value, Ramp):
+        value = vars(value)
     if isinstance(value, dict):
         return {name: _without_infinities(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

@@ -9,7 +9,8 @@ so that none within the bounds takes a T at which c(T) > 0,
 
     c(T) = Σ_k T^k·[λ_k b_k + lo_k·|μ_k⁺| − hi_k·|μ_k⁻| − p_k(0)·a_k] − T^n·[hi_n ∫p⁺ − lo_n ∫p⁻].
 
-On a grid of length W instead of 1 it is T/W that is raised to powers.
+On a grid of length W instead of 1 it is T/W that is raised to powers. For λ = (1, 0, …, 0), the
+start being 0, the same says how far x comes at most: ramps and cruise have to come to the end.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from fractions import Fraction
 from itertools import pairwise, zip_longest
 from math import comb, factorial, inf, lcm
 
-from .proof import CostateLink, Link, MirroredLink, Proof, TaylorLink
+from .proof import CostateLink, CruisingLink, Link, MirroredLink, Proof, Ramp, TaylorLink
 
 Row = list[Fraction]
 
@@ -51,6 +52,8 @@ def _excludes(proof: Proof, link: Link) -> bool:
             polynomial = polynomial[1:]  # T > 0
     elif isinstance(link, MirroredLink):
         polynomial = _mirrored_polynomial(proof, link)
+    elif isinstance(link, CruisingLink):
+        polynomial = _cruising_polynomial(proof if link.sign > 0 else _opposite(proof), link)
     elif link.free:
         if any(link.ends) or link.free not in ("start", "end") or link.high != inf:
             return False
@@ -92,6 +95,37 @@ def _reversed(proof: Proof) -> Proof:
     lower = tuple(-proof.upper[k] if k % 2 else proof.lower[k] for k in range(n + 1))
     upper = tuple(-proof.lower[k] if k % 2 else proof.upper[k] for k in range(n + 1))
     return Proof(start, end, lower, upper, (), 0.0)
+
+
+def _opposite(proof: Proof) -> Proof:
+    """Return the mirror image of the problem."""
+    start, end = (tuple(-x for x in state) for state in (proof.start, proof.end))
+    lower, upper = (tuple(-x for x in sides) for sides in (proof.upper, proof.lower))
+    return Proof(start, end, lower, upper, (), 0.0)
+
+
+def _cruising_polynomial(proof: Proof, link: CruisingLink) -> Row:
+    """Return the distance less what both ramps and the cruise add to it at most, in T."""
+    ahead = _reach(proof, link.onto), _reach(_opposite(_reversed(proof)), link.off)
+    if not all(ahead) or link.cruise < 0.0 or proof.upper[1] == inf:
+        return []
+    total = [a + b for a, b in zip(*ahead, strict=True)]
+    total[0] += Fraction(proof.end[0]) - Fraction(proof.start[0])
+    total[1] -= Fraction(proof.upper[1]) * Fraction(link.cruise)
+    whole = _total(list(map(Fraction, (link.onto.time, link.cruise, link.off.time))))
+    return [value / whole**k for k, value in enumerate(total)]
+
+
+def _reach(proof: Proof, ramp: Ramp) -> Row:
+    """Return minus the farthest way from the start, by powers of T over the ramp's time."""
+    ends = (1.0, *[0.0] * (len(proof.start) - 1))
+    held = _held(CostateLink(0.0, 0.0, ramp.cells, ends, ramp.atoms, ramp.densities), len(ends))
+    if held is None or not ramp.time > 0.0:
+        return []
+    states = [-p * Fraction(x) for p, x in zip(held.first, proof.start, strict=True)]
+    states[0] += Fraction(proof.start[0])
+    row = _polynomial(proof, held, states)
+    return [value * Fraction(ramp.time) ** k for k, value in enumerate(row)]
 
 
 def _costate_polynomial(proof: Proof, link: CostateLink) -> Row:

@@ -34,9 +34,9 @@ def min_time_transfer(
         not, absent or zero on a side; positions bounded or not.
     duration : float, optional
         How long it is to take. What is possible need not be an interval: an axis that moves at
-        its start and end may pass quickly, or turn back and pass again. At orders 4 and above,
-        and with bounds on position, the motion is that which needs the smallest share of the
-        bound on the highest derivative.
+        its start and end may pass quickly, or turn back and pass again. The motion is the one
+        that needs the smallest share of the bound on the highest derivative, unless it starts
+        outside its bounds.
     round_to : float, optional
         Sample time: the duration is rounded up to a whole number of samples.
     rtol : float, optional

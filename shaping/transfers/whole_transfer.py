@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from ..checks import finite, positive
 from ..limits import Limits, of_one
 from ..moves import min_time_move
+from ..optimal.long_plan import LongPlan, long_plan
 from ..optimal.whole.lasting import lasting, next_duration
 from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
+from ..optimal.whole.planner import Plan
 from ..trajectory import Trajectory, point
-from .long_transfer import long_transfer
 from .problem import State, Transfer, checked_numbers
 
 
@@ -36,10 +37,8 @@ def whole_transfer(
     if not any((*begin[1:], *finish[1:])):
         move = min_time_move(finish[0] - begin[0], limits, start=begin[0], rtol=rtol)
         return Transfer(move, limits)
-    long = long_transfer(begin, finish, limits, rtol=rtol)
-    if long is not None:
-        return Transfer(long, limits)
-    plan = found_plan(begin, finish, limits, rtol=rtol)
+    plan: LongPlan | Plan | None = long_plan(begin, finish, limits, rtol=rtol)
+    plan = plan or found_plan(begin, finish, limits, rtol=rtol)
     motion = plan.trajectory
     assert motion is not None
     warn_if_far(plan, rtol, motion.duration)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sampled_motions import least_share
 from tiers import some
 
 from jounce.shaping import Limits, min_time_move, min_time_transfer
@@ -63,11 +64,55 @@ def test_a_point_waits():
     assert (still.duration, float(still(1.5)), still.peak(1)) == (3.0, 2.0, 0.0)
 
 
-def test_a_move_of_order_2_that_lasts_longer_cruises_slower():
-    """Trapezoid of area 1 in time T with slope a: v = (aT − √(a²T² − 4a))/2."""
-    move = min_time_move(1.0, Limits(velocity=9.0, acceleration=4.0), duration=2.0)
-    assert move.peak("velocity") == pytest.approx((8.0 - np.sqrt(64.0 - 16.0)) / 2.0, rel=1e-13)
-    assert move.peak("acceleration") == pytest.approx(4.0, rel=1e-13)
+def test_a_move_of_order_2_that_lasts_longer_has_the_least_acceleration():
+    """D = aT²/4 without a cruise, D = V(T − V/a) with one."""
+    free = min_time_move(1.0, Limits(velocity=9.0, acceleration=4.0), duration=2.0)
+    assert free.peak("acceleration") == pytest.approx(1.0, rel=1e-12)
+    assert len(free.durations) == 2
+    cruises = min_time_move(1.0, Limits(velocity=0.8, acceleration=4.0), duration=2.0)
+    assert cruises.peak("acceleration") == pytest.approx(0.8 / (2.0 - 1.0 / 0.8), rel=1e-12)
+    assert cruises.peak("velocity") == pytest.approx(0.8, rel=1e-12)
+
+
+def share(motion, limits):
+    (low, high), (least, most) = motion.extremes(limits.order), limits.bounds(limits.order)
+    return max(high / most, low / least)
+
+
+@pytest.mark.parametrize("limits", [one for one in LIMITS if one.order in (2, 3)], ids=repr)
+@pytest.mark.parametrize("factor", [1.05, 2.0])
+def test_no_move_needs_a_smaller_share_of_the_highest_bound(limits, factor):
+    duration = factor * min_time_move(1.0, limits).duration
+    needed = share(min_time_move(1.0, limits, duration=duration), limits)
+    sampled = least_share(0.0, 1.0, limits, duration)
+    assert needed <= sampled * (1.0 + 1e-6)
+    assert needed == pytest.approx(sampled, rel=0.02)
+
+
+@pytest.mark.parametrize("duration", [1.2, 3.5, 20.0])
+def test_no_transfer_needs_a_smaller_share_of_the_highest_bound(duration):
+    limits = Limits(velocity=2.0, acceleration=(-1.0, 1.5), jerk=(-5.0, 3.0))
+    start, end = (0.0, 1.0), (1.0, 1.0, 0.2)
+    motion = min_time_transfer(start, end, limits, duration=duration)
+    assert motion.duration == pytest.approx(duration, rel=1e-13)
+    assert motion.limits == limits
+    assert motion.violation(limits) <= 1e-12
+    np.testing.assert_allclose(motion.end_state[:3], end, atol=1e-10)
+    sampled = least_share(start, end, limits, duration)
+    assert share(motion, limits) <= sampled * (1.0 + 1e-6)
+    assert share(motion, limits) == pytest.approx(sampled, rel=0.03)
+
+
+def test_a_velocity_that_is_kept_needs_nothing_of_it():
+    limits = Limits(velocity=2.0, acceleration=1.0)
+    assert min_time_transfer((0.0, 1.0), (3.0, 1.0), limits, duration=3.0).peak(2) < 1e-12
+
+
+def test_a_start_outside_its_bounds_is_brought_inside_with_all_of_it():
+    limits = Limits(velocity=2.0, acceleration=1.0, jerk=5.0)
+    motion = min_time_transfer((0.0, 3.0), (1.0, 1.0), limits, duration=9.0)
+    assert motion.duration == pytest.approx(9.0, rel=1e-13)
+    assert motion.peak("jerk") == pytest.approx(5.0, rel=1e-12)
 
 
 def test_transfers_take_the_durations_that_are_possible():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from math import inf, ldexp
+from typing import Protocol
 
 import numpy as np
 
@@ -24,6 +25,12 @@ from .planner import (
     roughly_planned,
 )
 from .problem import WholeProblem
+
+
+class _Bounded(Protocol):
+    @property
+    def lower_bound(self) -> float: ...
+
 
 _NOTABLE = 0.05  # of the largest contribution to a proof: a bound that it rests on
 
@@ -110,7 +117,7 @@ def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
         raise impossible(plan).headed("with a bound of 0 on velocity there is no turning back: ")
 
 
-def warn_if_far(plan: Plan, rtol: float, duration: float, stacklevel: int = 4) -> None:
+def warn_if_far(plan: _Bounded, rtol: float, duration: float, stacklevel: int = 4) -> None:
     """Warn where the gap that was asked for is not reached: what is known holds."""
     if not plan.lower_bound > 0.0:
         warnings.warn(

@@ -128,21 +128,28 @@ class Plan:
             return np.zeros((2, search.problem.order + 1))
         return link.multipliers.slopes(search.problem, search.lower)
 
-    def refined(self, rtol: float) -> Plan:
+    def refined(self, rtol: float, effort: Effort | None = None) -> Plan:
         """Return the plan after a longer search."""
         further = copy(self.search)
         further.chain = list(further.chain)
-        further.run(rtol)
+        further.run(rtol, effort=effort)
         return replace(self, search=further)
 
 
-def planned(start: Numbers, end: Numbers, limits: Limits, rtol: float = DEFAULT_RTOL) -> Plan:
+def planned(
+    start: Numbers,
+    end: Numbers,
+    limits: Limits,
+    rtol: float = DEFAULT_RTOL,
+    *,
+    effort: float = EFFORT,
+) -> Plan:
     """Return a plan between two states, those of order n with n numbers each."""
     lower, upper = (
         (side, *sides)
         for side, sides in zip(limits.position, (limits.lower, limits.upper), strict=True)
     )
-    return _planned(start, end, lower, upper, rtol)
+    return _planned(start, end, lower, upper, rtol, effort)
 
 
 def roughly_planned(problem: WholeProblem) -> Plan:

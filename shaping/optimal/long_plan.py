@@ -1,0 +1,259 @@
+"""Plans much longer than their ramps: onto the velocity bound, a cruise, and to the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, ldexp
+
+import numpy as np
+
+from ..limits import Limits
+from ..pieces import FloatArray
+from ..trajectory import Trajectory
+from ..transfers.infeasible import InfeasibleError
+from .proof import CruisingLink, Numbers, Proof, Proven, Ramp, TaylorLink
+from .whole.costate import Multipliers
+from .whole.outcome import found_plan
+from .whole.planner import Plan, planned
+from .whole.polynomials import first_root
+from .whole.search import Link as Excluded
+from .whole.warm_program import EFFORT
+
+_RAMPS = 3.0  # times what a ramp may take: the way in which the program goes onto the bound, or off
+_LONG = 2.0  # times both ways: a motion that is planned as these and a cruise
+_ROUGHLY = 1e-3  # gap of a ramp that counts for little
+_SHARES = (2.0 / 3.0, 0.5, 1.0)  # of that way: ends of a ramp that are tried
+_EFFORT = 0.06 * EFFORT  # for each
+_ROUNDING = 1e-12  # of the lower bound, taken off it
+
+
+@dataclass(frozen=True, eq=False)
+class LongPlan:
+    """A motion of two ramps and a cruise, and what is proven of the minimum time."""
+
+    trajectory: Trajectory
+    proven: Proven
+
+    @property
+    def lower_bound(self) -> float:
+        """No motion takes less."""
+        return self.proven.lower_bound
+
+
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """How far a motion comes that starts as a ramp does, and by what multipliers.
+
+    Parameters
+    ----------
+    time : float
+    multipliers : Multipliers
+        With λ = (1, 0, …, 0).
+    terms : (n + 1,) array
+        Of degree k in the time: their sum is the farthest.
+    masses : (2, n + 1) array
+        What terms a unit of each lower and upper bound makes.
+    """
+
+    time: float
+    multipliers: Multipliers
+    terms: FloatArray
+    masses: FloatArray
+
+    @property
+    def ramp(self) -> Ramp:
+        """What a proof keeps of it."""
+        of = self.multipliers
+        return Ramp(
+            self.time,
+            tuple(of.cells.tolist()),
+            tuple((k, tuple(row.tolist())) for k, row in of.atoms.items()),
+            tuple((k, tuple(map(tuple, rows.tolist()))) for k, rows in of.densities.items()),
+        )
+
+
+def long_plan(start: Numbers, end: Numbers, limits: Limits, *, rtol: float) -> LongPlan | None:
+    """Return a plan that cruises for most of its way; None for one that is not as long.
+
+    Programs over the whole horizon need cells as short as its ramps. The ramps are planned by
+    themselves, in the least time to a place beyond them, and nothing changes in between. As the
+    velocity is held there the costate is (1, 0, …, 0), so that the multipliers of both ramps
+    bound the distance from the start, that to the end, and that of the cruise apart.
+
+    Raises
+    ------
+    InfeasibleError
+        For a start or an end that is a dead end.
+    """
+    if end[0] < start[0]:
+        ahead = long_plan(_opposite(start), _opposite(end), limits.mirror(), rtol=rtol)
+        return None if ahead is None else _mirrored(ahead)
+    distance, bound = end[0] - start[0], limits.bounds(1)[1]
+    back = _backwards(limits)
+    turned = tuple((-1) ** (k + 1) * x for k, x in enumerate(end))
+    ways = [_way(state, each) for state, each in ((start, limits), (turned, back))]
+    if not (0.0 < bound < inf and distance > _LONG * sum(ways)):
+        return None
+    aim = min(max(rtol, rtol * distance / sum(ways) / _LONG), max(rtol, _ROUGHLY))
+    onto, off = _ramp(start, ways[0], limits, aim), _off(turned, ways[1], limits, aim)
+    if onto is None or off is None:
+        return None
+    dwell = (distance - float(onto.problem.end[0] + off.problem.end[0])) / bound
+    ridden = _motion(off).reverse().mirror()
+    motion = _ending(_motion(onto).shift(start[0]).then(ridden, dwell=dwell), end)
+    if limits.bounds_position and motion.violation(limits) > _ROUNDING:
+        return None
+    return LongPlan(motion, _proven(start, end, limits, _reach(onto), _reach(off)))
+
+
+def _backwards(limits: Limits) -> Limits:
+    """Return the limits of x(t) → −x(−t)."""
+    swapped = [
+        (low, high) if k % 2 else (-high, -low)
+        for k, (low, high) in enumerate(map(limits.bounds, range(limits.order + 1)))
+    ]
+    return Limits.from_bounds(swapped[1:], position=swapped[0])
+
+
+def _way(state: Numbers, limits: Limits) -> float:
+    """Return more than the way onto the velocity bound; infinite where nothing tells."""
+    bound, time = limits.bounds(1)[1], 0.0
+    sizes = [abs(bound - state[1]), *map(abs, state[2:])]
+    for k in range(2, limits.order + 1):
+        least = min(abs(side) for side in limits.bounds(k))
+        if 0.0 < least < inf:
+            lower = enumerate(sizes[: k - 1], start=1)
+            time += max((size / least) ** (1.0 / (k - below)) for below, size in lower)
+    return _RAMPS * max(bound, abs(state[1])) * (time or inf)
+
+
+def _ramp(state: Numbers, way: float, limits: Limits, rtol: float) -> Plan | None:
+    """Return the plan from a state, its position 0, onto the velocity bound; None beside a stop.
+
+    Where the search takes long for one place of its end it need not for another.
+    """
+    low, high = limits.position[0] - state[0], limits.position[1] - state[0]
+    if way > high:
+        return None
+    pairs = zip(limits.lower, limits.upper, strict=True)
+    within = Limits.from_bounds(pairs, position=(low, high) if limits.bounds_position else None)
+    start, cruising = (0.0, *state[1:]), (limits.bounds(1)[1], *[0.0] * (limits.order - 2))
+    best: Plan | None = None
+    for share in _SHARES:
+        plan = planned(start, (share * way, *cruising), within, rtol, effort=_EFFORT)
+        if plan.impossible:
+            break
+        if best is None or plan.search.gap < best.search.gap:
+            best = plan
+        if plan.search.gap <= rtol:
+            return plan
+    if best is not None and best.search.best is not None:
+        return best
+    try:
+        return found_plan(start, (way, *cruising), within, rtol=rtol)
+    except InfeasibleError:
+        if limits.bounds_position:
+            return None
+        raise
+
+
+def _off(turned: Numbers, way: float, limits: Limits, rtol: float) -> Plan | None:
+    """Return the plan of the way to the end, run backwards; errors tell of the end."""
+    try:
+        return _ramp(turned, way, _backwards(limits), rtol)
+    except InfeasibleError:
+        cruising = (limits.bounds(1)[1], *[0.0] * (limits.order - 2))
+        end = tuple((-1) ** (k + 1) * x for k, x in enumerate(turned))
+        found_plan((0.0, *cruising), (way, *end[1:]), limits, rtol=rtol)
+        raise
+
+
+def _motion(plan: Plan) -> Trajectory:
+    assert plan.trajectory is not None  # of a plan that is found
+    return plan.trajectory
+
+
+def _ending(motion: Trajectory, end: Numbers) -> Trajectory:
+    """Return a motion with its end to the last bit."""
+    state = np.append(np.array(end), 0.0)
+    return Trajectory.from_arrays(
+        motion.breaks, motion.states, motion.durations, state, motion.coasting
+    )
+
+
+def _reach(plan: Plan) -> _Reach:
+    """Return how far a ramp comes at most by its plan's last multipliers, or at v all along."""
+    search, n = plan.search, plan.problem.order
+    link, time = search.chain[-1] if search.chain else None, search.lower
+    if isinstance(link, Excluded) and link.multipliers.ends[0] > 0.0:
+        given = link.multipliers
+    else:
+        one = np.ones(1)
+        given = Multipliers(one, np.eye(n)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
+    scale, ends = 1.0 / given.ends[0], np.eye(n)[0]
+    atoms = {k: row * scale for k, row in given.atoms.items()}
+    densities = {k: rows * scale for k, rows in given.densities.items()}
+    multipliers = Multipliers(given.cells, ends, atoms, densities)
+    costate, powers = multipliers.costate(), time ** np.arange(n + 1.0)
+    terms = -multipliers.polynomial(search.problem, costate) * powers
+    terms[0] += search.problem.end[0]
+    masses = np.zeros((2, n + 1))
+    masses[:, :n] = multipliers.masses()
+    masses[:, n] = costate.negative.sum(), costate.positive.sum()
+    real = ldexp(time, plan.time)
+    return _Reach(
+        real,
+        multipliers,
+        np.ldexp(terms, plan.length),
+        masses * [[-1.0], [1.0]] * real ** np.arange(n + 1.0),
+    )
+
+
+def _proven(start: Numbers, end: Numbers, limits: Limits, onto: _Reach, off: _Reach) -> Proven:
+    """Return the bound of ramps and a cruise between them, for a motion forwards."""
+    n, distance, bound = limits.order, end[0] - start[0], limits.bounds(1)[1]
+    terms = onto.terms + off.terms
+    cruise = (distance - float(terms.sum())) / bound
+    time = onto.time + cruise + off.time
+    terms[1] += bound * cruise
+    masses = onto.masses + np.where(np.arange(n + 1) % 2, off.masses, -off.masses[::-1])
+    masses[1, 1] += cruise
+    slopes = -masses * time / float(np.arange(n + 1) @ terms)
+    left = -terms / time ** np.arange(n + 1.0)
+    left[0] += distance
+    first = distance / bound * (1.0 - _ROUNDING)
+    lower = max(first_root(left, first, time * (1.0 - _ROUNDING)), first)
+    links: tuple[TaylorLink | CruisingLink, ...] = (TaylorLink(0.0, first, 0, 1, 1),)
+    if lower > first:
+        links += (CruisingLink(first, lower, 1, onto.ramp, off.ramp, cruise),)
+    if not any((*start[1:], *end[1:])):
+        links = links[-1:]
+    sides = np.array([limits.bounds(k) for k in range(n + 1)]).T
+    shares = (slopes * np.where(slopes == 0.0, 0.0, sides)).sum(axis=0)[1:] / time
+    sides[:, 0] -= start[0]
+    least, most = (tuple(side) for side in sides.tolist())
+    ends = (0.0, *start[1:]), (distance, *end[1:])
+    pairs = tuple((low, high) for low, high in (slopes.T + 0.0).tolist())
+    return Proven(
+        lower, tuple((shares + 0.0).tolist()), pairs, Proof(*ends, least, most, links, lower)
+    )
+
+
+def _opposite(numbers: Numbers) -> Numbers:
+    return tuple(0.0 - x for x in numbers)
+
+
+def _mirrored(plan: LongPlan) -> LongPlan:
+    """Return the plan of the opposite direction."""
+    proven, proof = plan.proven, plan.proven.proof
+    sides = (_opposite(row) for row in (proof.start, proof.end, proof.upper, proof.lower))
+    start, end, lower, upper = sides
+    links = tuple(
+        replace(link, sign=-1)
+        for link in proof.links
+        if isinstance(link, TaylorLink | CruisingLink)
+    )
+    opposite = Proof(start, end, lower, upper, links, proof.lower_bound)
+    slopes = tuple((0.0 - high, 0.0 - low) for low, high in proven.slopes)
+    mirrored = Proven(proven.lower_bound, proven.sensitivities, slopes, opposite)
+    return LongPlan(plan.trajectory.mirror().shift(0.0), mirrored)
