@@ -14,7 +14,7 @@ from ...shaping.checks import finite, positive
 from .data_files import read_bytes
 from .elements import added, moved, removed
 from .handles import crossover_gain, dragged, handles_of
-from .loop_view import loop_view
+from .loop_view import margins_of
 from .move_changes import with_order, with_shaper
 from .open_loops import open_gain
 from .quantities import with_number
@@ -58,7 +58,7 @@ def _drag(state: State, message: Message) -> State:
 def _add(state: State, message: Message) -> State:
     place = message.get("hz")
     if place is None:
-        peak = loop_view(state).margins.sensitivity_peak_hz
+        peak = margins_of(state).sensitivity_peak_hz
         place = peak if isfinite(peak) and peak > 0.0 else 1.0
     return added(state, str(message["filter"]), positive("hz", place))
 
@@ -92,7 +92,7 @@ def _data(state: State, message: Message) -> State:
         raise ValueError(f"{name}: did not come whole; drop it again") from None
     found = read_bytes(name, content, message)
     after = replace(state, measured=found, measured_name=name, source="data")
-    loop_view(after)  # refuses what does not go with the controller
+    margins_of(after)  # refuses what does not go with the controller
     return after
 
 
