@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ...shaping.checks import finite, positive
+from .asked import with_asked, with_feedforward, without_asked
 from .data_files import read_bytes
 from .elements import added, moved, removed
 from .handles import crossover_gain, dragged, handles_of
@@ -32,6 +33,10 @@ def _set(state: State, message: Message) -> State:
         return with_order(state, round(finite("order", message["number"])))
     if key == "shaper":
         return with_shaper(state, str(message["word"]))
+    if key == "feedforward":
+        return with_feedforward(state, str(message["word"]))
+    if "word" in message:
+        return put(state, {key: str(message["word"])})
     if "number" in message:
         return put(state, {key: with_number(value_at(state.content, key), message["number"])})
     return put(state, {key: message["text"]})
@@ -108,6 +113,10 @@ CHANGES: Mapping[str, Change] = MappingProxyType(
         "set": _set,
         "drag": _drag,
         "add": _add,
+        "ask": lambda state, message: with_asked(
+            state, str(message["section"]), str(message["name"])
+        ),
+        "leave": lambda state, message: without_asked(state, str(message["key"])),
         "remove": lambda state, message: removed(state, int(message["index"])),
         "reorder": lambda state, message: moved(state, int(message["index"]), int(message["to"])),
         "uncertain": _uncertain,
