@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import isclose
 from typing import Any
 
@@ -15,10 +16,10 @@ from ...plant.pid import PID
 from ...shaping.real_numbers import shown
 from .measured_response import MeasuredResponse, is_frd
 from .rational_fits import Complex, Real
+from .state_groups import StateGroups, state_groups
 
 _SAME = 1e-6  # relative, of sample times
 _SINGULAR = 1e-7  # of 1 − z or s over its scale: an integrator
-_CHUNK = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,11 @@ class ControllerValues:
         if self.system is None:
             return np.ones(len(frequency_hz), dtype=complex)
         s: Complex = np.asarray(2j * np.pi * frequency_hz)
-        return _evaluated(self.system, s if self.dt is None else np.asarray(np.exp(s * self.dt)))
+        places = s if self.dt is None else np.asarray(np.exp(s * self.dt))
+        if hasattr(self.system, "num_array"):
+            above, below = self.system.num_array[0, 0], self.system.den_array[0, 0]
+            return np.asarray(np.polyval(above, places) / np.polyval(below, places))
+        return self._grouped.at(places)
 
     def slope(self, frequency_hz: Real) -> Complex:
         """Return dC/df, by a difference that is exact to 1e-8 of it."""
@@ -58,6 +63,10 @@ class ControllerValues:
             return np.empty(0)
         hertz = frequency_points(self.system, 0.0) / (2.0 * np.pi)
         return np.asarray(hertz[(hertz > low) & (hertz < high)])
+
+    @cached_property
+    def _grouped(self) -> StateGroups:
+        return state_groups(self.system)
 
     @property
     def integrators(self) -> int:
@@ -157,19 +166,3 @@ def _check_sample_time(values: ControllerValues, measured: MeasuredResponse) -> 
             f"the response goes up to {last:g} Hz, beyond half the controller's sampling frequency "
             f"({0.5 / own:g} Hz): leave those lines out, or see that frequencies are in Hz"
         )
-
-
-def _evaluated(system: Any, places: Complex) -> Complex:
-    if hasattr(system, "num_array"):
-        above, below = system.num_array[0, 0], system.den_array[0, 0]
-        return np.asarray(np.polyval(above, places) / np.polyval(below, places))
-    a, b, c, d = (np.asarray(part) for part in (system.A, system.B, system.C, system.D))
-    if not len(a) or not len(places):
-        return np.full(len(places), d[0, 0], dtype=complex)
-    parts = []
-    for start in range(0, len(places), _CHUNK):
-        some = places[start : start + _CHUNK]
-        inner = some[:, None, None] * np.eye(len(a)) - a
-        states = np.linalg.solve(inner, np.broadcast_to(b, (len(some), *b.shape)))
-        parts.append((c @ states)[:, 0, 0] + d[0, 0])
-    return np.concatenate(parts)

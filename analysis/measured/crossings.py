@@ -15,7 +15,8 @@ _SURE = 1.5  # standard deviations off the level
 _LEAST_GAIN = 0.01
 _MATTERS = 0.1  # |L| of a place that is told as unsure
 _MOST_SPREAD = 0.5  # of |L|: more is noise
-_HALVINGS = 32
+_DIVISIONS = 6
+_SHARES = np.linspace(0.0, 1.0, 41)
 
 Excess = Callable[[Complex], Real]
 
@@ -81,11 +82,15 @@ def _clusters(before: NDArray[np.intp], near: NDArray[np.bool_]) -> list[NDArray
 
 
 def _solved(grid: LoopGrid, excess: Excess, before: NDArray[np.intp]) -> Real:
-    """Return where excess vanishes between a point and the next, by halving."""
-    low, high = grid.frequency_hz[before].copy(), grid.frequency_hz[before + 1].copy()
-    positive = excess(grid.value[before]) >= 0.0
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        same = (excess(grid.loop.at(middle).value) >= 0.0) == positive
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    """Return where excess first vanishes between a point and the next, by division in many."""
+    low, high = grid.frequency_hz[before], grid.frequency_hz[before + 1]
+    positive = (excess(grid.value[before]) >= 0.0)[:, None]
+    every = np.arange(len(before))
+    for _ in range(_DIVISIONS if len(before) else 0):
+        places = low[:, None] + (high - low)[:, None] * _SHARES
+        inner = excess(grid.loop.at(places[:, 1:-1].ravel()).value).reshape(len(before), -1)
+        beyond = np.argmax(np.pad((inner >= 0.0) != positive, ((0, 0), (0, 1))), axis=1)
+        none = ((inner >= 0.0) == positive).all(axis=1)
+        after = np.where(none, inner.shape[1], beyond)
+        low, high = places[every, after], places[every, after + 1]
     return np.asarray(0.5 * (low + high))

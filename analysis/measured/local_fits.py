@@ -7,6 +7,7 @@ resonances; where it does not follow its lines, one of fewer lines.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +20,8 @@ _WINDOW, _FEW = 10, 7
 _POOR, _ROUGH = 2.0, 5.0  # mean square misfit, in σ²
 _SURE = 3.0  # standard deviations of a resonance between two lines
 _BESIDE = 0.1  # of a gap
+_PER_GAP = 8
+_SPREAD = np.sinh(np.linspace(-3.0, 3.0, 13))  # halfwidths of a pole
 _HOLE = 4.0  # spacings of the lines beside it
 _LEVELLED, _BESIDE_LINE = 9, 5  # windows and lines over which an unknown noise is levelled
 _FLOOR = 1e-9  # of |G|: what a file's digits leave of it
@@ -54,12 +57,38 @@ class LocalFits:
         after = np.searchsorted(self.lines, frequency_hz, side="right")
         return np.clip(after - 1, 0, len(self.hole) - 1)
 
+    def in_hole(self, frequency_hz: Real) -> Mask:
+        """Return which frequencies lie in a hole."""
+        gap = self.gap_of(frequency_hz)
+        inside = (frequency_hz > self.lines[gap]) & (frequency_hz < self.lines[-1])
+        return np.asarray(self.hole[gap] & inside)
+
+    @cached_property
+    def among(self) -> tuple[Real, Place]:
+        """Frequencies in every gap, dense beside poles that lie in it, and the response there."""
+        shares = (np.arange(_PER_GAP) + 0.5) / _PER_GAP
+        inner = self.lines[:-1, None] + np.diff(self.lines)[:, None] * shares
+        places = [self.lines[[0, -1]], inner[~self.hole].ravel(), self._beside_poles()]
+        frequency = np.unique(np.concatenate(places))
+        inside = (frequency >= self.lines[0]) & (frequency <= self.lines[-1])
+        frequency = frequency[inside & ~self.in_hole(frequency)]
+        return frequency, self.at(frequency)
+
     def at(self, frequency_hz: Real) -> Place:
         """Return the response at frequencies between the first and the last line."""
         flat = self.curves.at(frequency_hz, self.gap_of(frequency_hz))
         steep = frequency_hz**self.power
         slope = flat.slope - self.power * flat.value / frequency_hz
         return Place(flat.value / steep, flat.sigma / steep, slope / steep)
+
+    def _beside_poles(self) -> Real:
+        """Return places at and beside the poles that lie in the gaps of their fits."""
+        poles = self.curves.poles()
+        low, high = self.lines[:-1, None], self.lines[1:, None]
+        with np.errstate(invalid="ignore"):
+            inside = (poles.real > low) & (poles.real < high) & (abs(poles.imag) < high - low)
+        some = poles[inside]
+        return np.asarray((some.real[:, None] + abs(some.imag)[:, None] * _SPREAD).ravel())
 
 
 def local_fits(lines: Real, response: Complex, sigma: Real | None) -> LocalFits:

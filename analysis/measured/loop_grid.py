@@ -13,10 +13,8 @@ from .conversions import Factored
 from .local_fits import LocalFits
 from .rational_fits import Complex, Place, Real
 
-_PER_GAP = 8
 _TURN = 0.35  # rad or nepers, of L and of 1 + L, from one point to the next
 _ROUNDS = 8
-_BESIDE = np.sinh(np.linspace(-3.0, 3.0, 13))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,54 +67,41 @@ RADIUS = float(np.sqrt(-np.log(0.05)))
 
 
 def loop_grid(parts: Factored, *others: ControllerValues) -> LoopGrid:
-    """Return the grid of a loop, fine enough for other controllers on the same plant, too."""
+    """Return the grid of a loop, fine enough for other controllers on the same plant, too.
+
+    What does not depend on the controllers is found once for each response, `LocalFits.among`.
+    """
     fits = parts.fitted.fits
-    loop = MeasuredLoop(fits, parts.controller)
-    lines = fits.lines
-    shares = (np.arange(_PER_GAP) + 0.5) / _PER_GAP
-    inner = lines[:-1, None] + np.diff(lines)[:, None] * shares
-    places = [
-        lines[[0, -1]],
-        inner[~fits.hole].ravel(),
-        *(c.places(lines[0], lines[-1]) for c in (parts.controller, *others)),
-        _beside_poles(fits),
-    ]
-    frequency = np.unique(np.concatenate(places))
-    inside = (frequency >= lines[0]) & (frequency <= lines[-1])
-    frequency = frequency[inside & ~_in_hole(fits, frequency)]
-    return _refined(loop, frequency, [MeasuredLoop(fits, other) for other in others])
-
-
-def _in_hole(fits: LocalFits, frequency: Real) -> NDArray[np.bool_]:
-    gap = fits.gap_of(frequency)
-    return np.asarray(fits.hole[gap] & (frequency > fits.lines[gap]) & (frequency < fits.lines[-1]))
-
-
-def _beside_poles(fits: LocalFits) -> Real:
-    """Return places at and beside the poles that lie in the gaps of their fits."""
-    poles = fits.curves.poles()
-    low, high = fits.lines[:-1, None], fits.lines[1:, None]
-    with np.errstate(invalid="ignore"):
-        inside = (poles.real > low) & (poles.real < high) & (abs(poles.imag) < high - low)
-    some = poles[inside]
-    return np.asarray((some.real[:, None] + abs(some.imag)[:, None] * _BESIDE).ravel())
-
-
-def _refined(loop: MeasuredLoop, frequency: Real, others: list[MeasuredLoop]) -> LoopGrid:
-    """Return the grid with points put in where L or 1 + L changes much."""
-    value, sigma, _ = loop.at(frequency)
+    controllers = [parts.controller, *others]
+    low, high = fits.lines[[0, -1]]
+    narrow = np.unique(np.concatenate([c.places(low, high) for c in controllers]))
+    frequency, inner = _with(fits, *fits.among, narrow[~fits.in_hole(narrow)])
+    values = [c.at(frequency) for c in controllers]
     for _ in range(_ROUNDS):
-        coarse = _coarse(value) & _joined(loop.fits, frequency)
-        for other in others:
-            coarse |= _coarse(other.at(frequency).value)
-        if not coarse.any():
+        coarse = np.any([_coarse(inner.value * c) for c in values], axis=0)
+        middle = (0.5 * (frequency[:-1] + frequency[1:]))[coarse & _joined(fits, frequency)]
+        if not middle.size:
             break
-        middle = 0.5 * (frequency[:-1] + frequency[1:])[coarse]
-        new = loop.at(middle)
-        after = np.flatnonzero(coarse) + 1
-        frequency = np.insert(frequency, after, middle)
-        value, sigma = np.insert(value, after, new.value), np.insert(sigma, after, new.sigma)
-    return LoopGrid(loop, frequency, value, sigma, _joined(loop.fits, frequency))
+        at = np.searchsorted(frequency, middle)
+        values = [
+            np.insert(c, at, own.at(middle)) for c, own in zip(values, controllers, strict=True)
+        ]
+        frequency, inner = _with(fits, frequency, inner, middle)
+    return LoopGrid(
+        MeasuredLoop(fits, parts.controller),
+        frequency,
+        inner.value * values[0],
+        inner.sigma * abs(values[0]),
+        _joined(fits, frequency),
+    )
+
+
+def _with(fits: LocalFits, frequency: Real, inner: Place, more: Real) -> tuple[Real, Place]:
+    """Return a grid and the response on it with more points, ascending, put in."""
+    more = more[~np.isin(more, frequency)]
+    at, found = np.searchsorted(frequency, more), fits.at(more)
+    whole = (np.insert(own, at, new) for own, new in zip(inner, found, strict=True))
+    return np.insert(frequency, at, more), Place(*whole)
 
 
 def _coarse(value: Complex) -> NDArray[np.bool_]:

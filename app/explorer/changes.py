@@ -11,10 +11,11 @@ from types import MappingProxyType
 from typing import Any
 
 from ...shaping.checks import finite, positive
+from .asked import with_asked, with_feedforward, without_asked
 from .data_files import read_bytes
 from .elements import added, moved, removed
 from .handles import crossover_gain, dragged, handles_of
-from .loop_view import loop_view
+from .loop_view import margins_of
 from .move_changes import with_order, with_shaper
 from .open_loops import open_gain
 from .quantities import with_number
@@ -32,6 +33,10 @@ def _set(state: State, message: Message) -> State:
         return with_order(state, round(finite("order", message["number"])))
     if key == "shaper":
         return with_shaper(state, str(message["word"]))
+    if key == "feedforward":
+        return with_feedforward(state, str(message["word"]))
+    if "word" in message:
+        return put(state, {key: str(message["word"])})
     if "number" in message:
         return put(state, {key: with_number(value_at(state.content, key), message["number"])})
     return put(state, {key: message["text"]})
@@ -58,7 +63,7 @@ def _drag(state: State, message: Message) -> State:
 def _add(state: State, message: Message) -> State:
     place = message.get("hz")
     if place is None:
-        peak = loop_view(state).margins.sensitivity_peak_hz
+        peak = margins_of(state).sensitivity_peak_hz
         place = peak if isfinite(peak) and peak > 0.0 else 1.0
     return added(state, str(message["filter"]), positive("hz", place))
 
@@ -92,7 +97,7 @@ def _data(state: State, message: Message) -> State:
         raise ValueError(f"{name}: did not come whole; drop it again") from None
     found = read_bytes(name, content, message)
     after = replace(state, measured=found, measured_name=name, source="data")
-    loop_view(after)  # refuses what does not go with the controller
+    margins_of(after)  # refuses what does not go with the controller
     return after
 
 
@@ -108,6 +113,10 @@ CHANGES: Mapping[str, Change] = MappingProxyType(
         "set": _set,
         "drag": _drag,
         "add": _add,
+        "ask": lambda state, message: with_asked(
+            state, str(message["section"]), str(message["name"])
+        ),
+        "leave": lambda state, message: without_asked(state, str(message["key"])),
         "remove": lambda state, message: removed(state, int(message["index"])),
         "reorder": lambda state, message: moved(state, int(message["index"]), int(message["to"])),
         "uncertain": _uncertain,

@@ -102,17 +102,22 @@ def _fields(state: State, where: Place, names: tuple[str, ...]) -> Iterator[Fiel
         if isinstance(value, list):
             for side, one in enumerate(value):
                 label = f"{_label(name)}, {'lower' if side == 0 else 'upper'}"
-                yield _field(key_path([*where, name, side]), label, one)
+                yield field_of(key_path([*where, name, side]), label, one)
         elif value is not None and is_quantity(value):
-            yield _field(key_path([*where, name]), _label(name), value)
+            yield field_of(key_path([*where, name]), _label(name), value)
 
 
 def _label(name: str) -> str:
     return _WORDS.get(name, name.replace("_", " "))
 
 
-def _field(key: str, label: str, value: Any) -> Field:
-    """Return a field with a range around its value, in steps that keep still while it changes."""
+def field_of(key: str, label: str, value: Any) -> Field:
+    """Return a field with a range around its value, in steps that keep still while it changes.
+
+    What is no number is a field of text.
+    """
+    if not is_quantity(value):
+        return {"key": key, "label": label, "text": value, "scale": "text"}
     number, unit = parted(value)
     field = {"key": key, "label": label, "number": number, "unit": unit}
     if isinstance(value, int):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import floor, isfinite, log10
 from typing import Any
 
@@ -26,32 +27,38 @@ _SMALL = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class LoopView:
-    """A state's loop as far as it has been worked out.
+    """A state's loop: its margins, and what else is shown, worked out when it is asked for.
 
     Attributes
     ----------
     state : State
     margins : LoopMargins or MeasuredMargins
         Of what the state takes for its source.
-    gain : OpenGain
-        Of the model.
-    handles : list of Handle
-    data : MeasuredResponse or None
-        L as it was measured, or of what was measured with the controller.
     """
 
     state: State
     margins: Margins
-    gain: OpenGain
-    handles: list[Handle]
-    data: MeasuredResponse | None
+
+    @cached_property
+    def gain(self) -> OpenGain:
+        """L of the model."""
+        return open_gain(self.state.loop)
+
+    @cached_property
+    def handles(self) -> list[Handle]:
+        """The handles of the controller's elements."""
+        return handles_of(self.state, _place(self.state, self.margins))
+
+    @cached_property
+    def data(self) -> MeasuredResponse | None:
+        """L as it was measured, or of what was measured with the controller; None without data."""
+        state = self.state
+        return None if state.measured is None else open_loop(state.measured, state.data_controller)
 
 
 def loop_view(state: State) -> LoopView:
-    """Return margins and handles of a state."""
-    margins, gain = margins_of(state), open_gain(state.loop)
-    data = None if state.measured is None else open_loop(state.measured, state.data_controller)
-    return LoopView(state, margins, gain, handles_of(state, _place(state, margins)), data)
+    """Return the view of a state."""
+    return LoopView(state, margins_of(state))
 
 
 def margins_of(state: State) -> Margins:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ...analysis.margins import LoopMargins, loop_margins
+from .asked import asked_part
 from .changes import CHANGES, Change
 from .history import History, began, changed, redone, undone
 from .loop_view import LoopView, closed_part, curves_part, loop_view, numbers_part
@@ -107,11 +108,13 @@ class Session:
             yield from self._of_move(state)
             return
         view = loop_view(state)
-        yield numbers_part(view, self._revision)
+        revision = self._revision.asked(state.scenario.requirements)
+        yield numbers_part(view, revision)
         yield self._status()
-        yield curves_part(view, self._revision)
-        yield closed_part(view, self._revision)
+        yield curves_part(view, revision)
+        yield closed_part(view, revision)
         yield {"part": "ready"}
+        yield asked_part(state)
         model = self._model(view)
         yield step_part(state, model)
         yield response_part(state, model)
@@ -128,6 +131,7 @@ class Session:
         yield move_part(state, trajectory)
         yield self._status()
         yield {"part": "ready"}
+        yield asked_part(state)
         yield response_part(state, loop_margins(state.loop))
         yield proof_part(state, trajectory)
 

@@ -13,17 +13,18 @@ from .extra import needed
 def edited(text: str, told: Mapping[str, Any]) -> str:
     """Return a text of TOML with values put in, tables within tables; None takes a key away.
 
-    What is new comes behind the last key of its table; comments that stand before the next table
-    stay there.
+    What is new comes behind the last key of its table, a table of its own behind all others;
+    comments that stand before the next table stay there.
     """
     tomlkit = needed("tomlkit")
     document = tomlkit.parse(text)
     _put(document, told, above=document)
     written: str = tomlkit.dumps(document)
-    return written
+    return written.rstrip("\n") + (text[len(text.rstrip("\n")) :] or "\n")
 
 
 def _put(table: Any, told: Mapping[str, Any], *, above: Any) -> None:
+    tomlkit = needed("tomlkit")
     for key, value in told.items():
         was = table.get(key)
         if value is None:
@@ -36,6 +37,9 @@ def _put(table: Any, told: Mapping[str, Any], *, above: Any) -> None:
                 _put_tables(was, value)
         elif key in table:
             table[key] = _item(value)
+        elif isinstance(value, Mapping) and isinstance(table, tomlkit.TOMLDocument):
+            _last(table).append(_blank())
+            table.add(key, _table(value))
         else:
             with _tail(table):
                 _add(table, key, value)

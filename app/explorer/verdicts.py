@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 from types import MappingProxyType
 from typing import Any
@@ -44,11 +44,16 @@ class Revision:
         Where the margins before come from: a file, or the scenario as it was opened.
     before : Baseline
     checks : Checks
+        Of the check file, and with `asked` what the scenario requires.
     """
 
     name: str
     before: Baseline
     checks: Checks
+
+    def asked(self, requirements: tuple[Requirement, ...]) -> Revision:
+        """Return the revision with the bounds that a scenario requires."""
+        return replace(self, checks=with_bounds(self.checks, dict(_of_margins(requirements))))
 
 
 def revision_of(state: State, margins: LoopMargins) -> Revision:
@@ -67,7 +72,7 @@ def revision_of(state: State, margins: LoopMargins) -> Revision:
         For a check file or a baseline beside the scenario that cannot be used.
     """
     numbers = loop_numbers(margins)
-    checks = with_bounds(_written(state, numbers), _required(state.scenario.requirements))
+    checks = _written(state, numbers)
     stored = baseline_beside(state.path)
     if not stored.exists():
         return Revision("as opened", measured_baseline(numbers, None, checks), checks)
@@ -149,11 +154,6 @@ def _written(state: State, numbers: tuple[Number, ...]) -> Checks:
     content = read_check_file(path)
     own = {key: value for key, value in content.items() if key in names or key == "margins"}
     return checks_of(path, own, numbers)
-
-
-def _required(requirements: tuple[Requirement, ...]) -> dict[Key, tuple[float, float]]:
-    """Return the requirements of a scenario that are of margins, by the margins' names."""
-    return dict(_of_margins(requirements))
 
 
 def _of_margins(

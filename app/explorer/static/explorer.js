@@ -99,6 +99,7 @@ class Wire {
 
 // ---- Plots --------------------------------------------------------------------------------------
 
+const SPOT = 1.5; // pixels, less than a dot is wide
 const EDGE = { left: 52, right: 12, top: 8, bottom: 36 };
 
 function steps(low, high, wanted) {
@@ -328,32 +329,39 @@ class Plot {
     return high.length ? `M${high.map((each, i) => (low[i] === each ? each : `${each}L${low[i]}`)).join("L")}` : "M0 0";
   }
 
-  // Dots that can be seen, one for each half pixel across and up.
+  // Dots that can be seen, one for each spot that a dot covers.
   dots(x, y) {
     const { x: [x0, x1], y: [y0, y1] } = this.range;
     const there = new Set();
     let d = "";
     for (let i = 0; i < x.length; i += 1) {
       if (x[i] < x0 || x[i] > x1 || y[i] < y0 || y[i] > y1) continue;
-      const [px, py] = [Math.round(2 * this.toX(x[i])), Math.round(2 * this.toY(y[i]))];
-      const key = px * 8192 + py;
-      if (there.has(key)) continue;
-      there.add(key);
-      d += `M${px / 2} ${py / 2}h0`;
+      const spot = this.spot(x[i], y[i]);
+      if (there.has(spot)) continue;
+      there.add(spot);
+      d += `M${this.point(x[i], y[i])}h0`;
     }
     return d || "M0 0";
   }
 
+  spot(x, y) {
+    return Math.round(this.toX(x) / SPOT) * 8192 + Math.round(this.toY(y) / SPOT);
+  }
+
+  // Circles in sight, of those around one spot the largest.
   circles(x, y, radius) {
     const size = Math.abs(this.toX(1) - this.toX(0));
-    const parts = [];
+    const largest = new Map();
     for (let i = 0; i < x.length; i += 1) {
       const r = radius[i] * size;
       const [px, py] = [this.toX(x[i]), this.toY(y[i])];
       if (r < 0.5 || px < 0 || px > this.width || py < 0 || py > this.height) continue;
-      parts.push(`M${(px - r).toFixed(1)} ${py.toFixed(1)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`);
+      const spot = this.spot(x[i], y[i]);
+      if (r <= (largest.get(spot)?.r ?? 0)) continue;
+      const d = `M${(px - r).toFixed(1)} ${py.toFixed(1)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
+      largest.set(spot, { r, d });
     }
-    return parts.join("") || "M0 0";
+    return [...largest.values()].map(({ d }) => d).join("") || "M0 0";
   }
 
   // Handles stay the same elements, so that focus and pointer stay on them.
@@ -478,6 +486,7 @@ class Explorer {
       worst: () => this.worst(part),
       move: () => this.move(part),
       proof: () => this.proof(part),
+      asked: () => this.list(this.askedElements, part.elements),
       proposal: () => this.proposal(part),
       problem: () => this.tell(part.text, "bad"),
       saved: () => this.saved(part),
@@ -586,6 +595,13 @@ class Explorer {
     this.el.replaceChildren(header, this.bad, this.loopPane, this.movePane, this.said, this.help);
     this.buildLoop(button);
     this.buildMove();
+    this.askedElements = make("div");
+    this.askedPanel = make(
+      "section",
+      { class: "panel", "aria-label": "what is asked" },
+      make("h2", {}, "Feedforward, disturbances, requirements"),
+      this.askedElements,
+    );
     this.dropping();
     this.look("loop", false);
   }
@@ -770,6 +786,7 @@ class Explorer {
     this.movePane.hidden = view !== "move";
     this.loopPane.style.display = view === "loop" ? "" : "none";
     this.movePane.style.display = view === "move" ? "" : "none";
+    (view === "loop" ? this.loopPane : this.movePane).firstChild.append(this.askedPanel);
     for (const tab of this.tabs) tab.setAttribute("aria-selected", String(tab.dataset.view === view));
     if (tell) this.change({ kind: "view", view });
   }
@@ -1029,7 +1046,8 @@ class Explorer {
   // ---- fields
 
   list(into, elements) {
-    const shape = elements.map((each) => [each.name, each.label, each.fields.map((field) => field.key)]);
+    const looks = (field) => [field.key, field.scale === "text", field.choices, field.leave];
+    const shape = elements.map((each) => [each.name, each.label, each.fields.map(looks), each.more]);
     const now = JSON.stringify(shape);
     if (into.dataset.shape !== now) {
       into.dataset.shape = now;
@@ -1056,7 +1074,19 @@ class Explorer {
       { class: "element", role: "group", "aria-label": each.label },
       make("div", {}, make("h3", {}, each.label), ...buttons),
       ...each.fields.map((field) => this.field(field)),
+      ...(each.more?.length ? [this.adding(each)] : []),
     );
+  }
+
+  // What may be added to a section of the scenario.
+  adding({ section, label, more }) {
+    const names = make(
+      "select",
+      { "aria-label": `to add to ${label}` },
+      ...more.map((name) => make("option", { value: name }, name.replaceAll("_", " "))),
+    );
+    const add = () => this.change({ kind: "ask", section, name: names.value });
+    return make("div", { class: "row" }, names, make("button", { type: "button", "aria-label": `Add to ${label}`, onclick: add }, "Add"));
   }
 
   field(field) {
@@ -1065,8 +1095,18 @@ class Explorer {
       select.addEventListener("change", () => this.change({ kind: "set", key: field.key, word: select.value }));
       return make("label", { class: "field" }, field.label, select);
     }
-    const range = make("input", { type: "range", min: 0, max: 1000, "aria-label": `${field.label}, slider`, "data-slide": field.key });
     const text = make("input", { type: "text", "aria-label": field.label, "data-key": field.key, autocomplete: "off" });
+    text.addEventListener("change", () => {
+      const bare = field.unit === "" && text.value.trim() !== "" && !Number.isNaN(Number(text.value));
+      const value = bare ? { number: Number(text.value) } : { text: text.value };
+      this.change({ kind: "set", key: field.key, ...value });
+    });
+    const between = field.scale === "text" ? make("span") : this.slider(field, text);
+    return make("div", { class: "field" }, make("span", {}, field.label, ...this.leaving(field)), between, text);
+  }
+
+  slider(field, text) {
+    const range = make("input", { type: "range", min: 0, max: 1000, "aria-label": `${field.label}, slider`, "data-slide": field.key });
     const own = { range, text, field };
     range.addEventListener("input", () => {
       const number = fromSlider(own.field, Number(range.value));
@@ -1074,19 +1114,25 @@ class Explorer {
       this.change({ kind: "set", key: field.key, number, gesture: `set-${field.key}-${this.gestures}` });
     });
     range.addEventListener("change", () => (this.gestures += 1));
-    text.addEventListener("change", () => {
-      const bare = field.unit === "" && text.value.trim() !== "" && !Number.isNaN(Number(text.value));
-      const value = bare ? { number: Number(text.value) } : { text: text.value };
-      this.change({ kind: "set", key: field.key, ...value });
-    });
     range.own = own;
-    return make("div", { class: "field" }, make("span", {}, field.label), range, text);
+    return range;
+  }
+
+  leaving({ leave, label }) {
+    if (!leave) return [];
+    const act = () => this.change({ kind: "leave", key: leave });
+    return [make("button", { type: "button", class: "leave", "aria-label": `leave out ${label}`, title: "leave out", onclick: act }, "✕")];
   }
 
   fill(into, field) {
     const key = CSS.escape(field.key);
     if (field.choices) {
       into.querySelector(`select[data-key="${key}"]`).value = field.word;
+      return;
+    }
+    if (field.scale === "text") {
+      const text = into.querySelector(`input[data-key="${key}"]`);
+      if (document.activeElement !== text || !this.wire.busy) text.value = field.text;
       return;
     }
     const range = into.querySelector(`[data-slide="${key}"]`);

@@ -88,6 +88,79 @@ def test_a_wrong_file_is_told_and_a_right_one_is_shown(page, path):
     assert shown(page) == pytest.approx(margins(path).phase_margin_deg, abs=1.0)
 
 
+def test_a_file_that_is_dropped_onto_the_page_is_opened(page, path):
+    loop = servo_loop_of(load_scenario(path)).loop_transfer()
+    lines = np.geomspace(0.5, 500.0, 60)
+    values = np.array([loop(point) for point in np.exp(2j * np.pi * lines * 0.25e-3)])
+    rows = np.column_stack([lines, values.real, values.imag]).tolist()
+    content = "frequency [Hz],real,imag\n" + "\n".join(f"{f!r},{a!r},{b!r}" for f, a, b in rows)
+    page.select_option("[aria-label='what was measured']", "loop")
+    held = page.evaluate_handle(
+        """content => {
+            const held = new DataTransfer();
+            held.items.add(new File([content], 'dropped.csv', { type: 'text/csv' }));
+            return held;
+        }""",
+        content,
+    )
+    page.dispatch_event("#explorer", "dragover", {"dataTransfer": held})
+    assert "dropping" in page.get_attribute("#explorer", "class")
+    page.dispatch_event("#explorer", "drop", {"dataTransfer": held})
+    at_rest(page)
+    assert "dropping" not in page.get_attribute("#explorer", "class")
+    assert page.input_value("[aria-label='margins are of']") == "data"
+    assert "dropped.csv" in page.inner_text(".verdict")
+    assert shown(page) == pytest.approx(margins(path).phase_margin_deg, abs=1.0)
+
+
+def test_the_wheel_makes_a_notch_wider_and_narrower(page):
+    widths = [field(page, f"{NOTCH}.{name}") for name in ("zero_damping", "pole_damping")]
+    box = page.locator(f"{HANDLE} .dot").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    place = page.evaluate("scrollY")
+    for _ in range(2):
+        page.mouse.wheel(0, -100)
+    at_rest(page)
+    assert field(page, f"{NOTCH}.pole_damping") == "55.125 %"
+    assert field(page, f"{NOTCH}.zero_damping") == "5.5125 %"
+    assert page.evaluate("scrollY") == place
+    page.click("text=Undo")
+    at_rest(page)
+    assert [field(page, f"{NOTCH}.{name}") for name in ("zero_damping", "pole_damping")] == widths
+
+
+def test_what_is_asked_is_added_changed_left_out_and_saved(page, path):
+    page.select_option("[aria-label='to add to requirements']", "phase_margin")
+    page.click("[aria-label='Add to requirements']")
+    at_rest(page)
+    page.fill("input[data-key='requirements.phase_margin.min']", "80 deg")
+    page.keyboard.press("Tab")
+    at_rest(page)
+    assert "phase margin" in page.inner_text(".verdict")
+    assert "≥ 80" in page.inner_text("tr[data-margin=phase_margin_deg]")
+    page.click("[aria-label='leave out phase margin, min']")
+    page.select_option("select[data-key=feedforward]", "by derivatives")
+    at_rest(page)
+    page.fill("input[data-key='feedforward.acceleration']", "1.9 N m s^2/rad")
+    page.click("[data-view=move]")
+    at_rest(page)
+    assert page.is_visible("input[data-key='feedforward.acceleration']")
+    page.keyboard.press("Control+s")
+    page.wait_for_selector("text=Saved two_modes.toml")
+    assert path.read_text() == SCENARIO + ('\n[feedforward]\nacceleration = "1.9 N m s^2/rad"\n')
+    assert load_scenario(path).feedforward.acceleration == 1.9
+    assert [each.name for each in load_scenario(path).requirements] == ["sensitivity_peak"]
+
+
+def test_a_projector_shows_thick_lines_and_large_letters(page):
+    looks = """() => [getComputedStyle(document.querySelector('.line.model')).strokeWidth,
+        getComputedStyle(document.querySelector('#explorer')).fontSize].map(parseFloat)"""
+    before = page.evaluate(looks)
+    page.select_option("[aria-label=colours]", "projector")
+    assert all(now > then for now, then in zip(page.evaluate(looks), before, strict=True))
+    page.select_option("[aria-label=colours]", "auto")
+
+
 def test_a_lost_connection_is_told_and_what_was_changed_comes_back(page, served):
     drag(page, 30)
     frequency, margin = field(page, f"{NOTCH}.frequency"), shown(page)
