@@ -287,7 +287,7 @@ def _margins(
 def _inverse(pieces: OnePieces) -> OnePieces:
     """Return the pieces of 1/L."""
     loops = pieces.loops.inverse()
-    turns = loops.roots.offset + pieces.loops.roots.offset - pieces.turns
+    turns = (loops.roots.offset + pieces.loops.roots.offset)[:, None] - pieces.turns
     return Pieces(loops, pieces.omega, -pieces.gain, turns, pieces.crossing)
 
 
