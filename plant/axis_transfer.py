@@ -37,10 +37,9 @@ def _polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
     mass, damping, stiffness = m.mass / mean, m.damping / mean, m.stiffness / mean
     unit = _unit(mass, damping, stiffness)
     row = m.load if axis.sensor != "motor" else np.eye(size)[0]
-    points = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))
-    dynamic = [mass * s * s + damping * s + stiffness for s in points]
-    whole = np.array([np.linalg.det(matrix) for matrix in dynamic])
-    seen = np.array([row @ _first_cofactors(matrix) for matrix in dynamic])
+    s = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))[:, None, None]
+    dynamic = mass * s * s + damping * s + stiffness
+    whole, seen = np.linalg.det(dynamic), _first_cofactors(dynamic) @ row
     above, below = _coefficients(seen, unit), _coefficients(whole, unit)
     if not axis.spring:
         below[0] = 0.0
@@ -67,13 +66,11 @@ def _unit(*matrices: FloatArray) -> float:
     return float(np.exp(0.5 * np.log(lines).mean())) if lines.size else 1.0
 
 
-def _first_cofactors(matrix: FloatArray) -> FloatArray:
-    """Return the first column of the adjugate."""
-    size = len(matrix)
-    cofactors = [
-        (-1.0) ** i * np.linalg.det(np.delete(np.delete(matrix, 0, 0), i, 1)) for i in range(size)
-    ]
-    return np.array(cofactors)
+def _first_cofactors(matrices: Any) -> Any:
+    """Return the first columns of the adjugates, (N, n)."""
+    below, columns = matrices[:, 1:], np.arange(matrices.shape[1])
+    cofactors = [(-1.0) ** i * np.linalg.det(below[..., columns != i]) for i in columns]
+    return np.stack(cofactors, axis=1)
 
 
 def _coefficients(values: FloatArray, unit: float) -> FloatArray:

@@ -158,11 +158,14 @@ class Run:
         times, modes, states = self._split if command else (self.times, self.modes, self.states)
         modes, states = modes[: len(times) - 1], states[: len(times) - 1]
         rows = np.empty((self.terms, len(times) - 1))
-        for mode in np.unique(modes):
-            some, terms = np.flatnonzero(modes == mode), [row]
+        for mode in np.flatnonzero(np.bincount(modes)):
+            some, terms = modes == mode, [row]
             for _ in range(self.terms - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])
-            rows[:, some] = np.array(terms) @ states[some].T
+            if some.all():
+                np.matmul(np.array(terms), states.T, out=rows)
+            else:
+                rows[:, some] = np.array(terms) @ states[some].T
         if command:
             rows += command * self._commanded
         rows[0] -= target

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from .factored_loop import DAMPING_FLOOR, Complex, FactoredLoop, Real, is_stable, radians
 from .many_loops import Mask, Slopes
@@ -72,9 +73,7 @@ class Roots:
         for name in ("loops", "zeros", "poles", "delay", "scale", "offset"):
             setattr(some, name, getattr(self, name)[rows])
         some.all = self.all[:, rows]
-        some.levels, some.ends = (
-            (low[rows], high[rows]) for low, high in (self.levels, self.ends)
-        )
+        some.levels, some.ends = ((low[rows], high[rows]) for low, high in (self.levels, self.ends))
         return some
 
     def turned(self, omega: Real) -> Real:
@@ -150,8 +149,8 @@ class RootedLoops:
 
     @property
     def loop(self) -> FactoredLoop:
-        """The loop itself, poles on the axis that a zero cancels among its hidden ones."""
-        [loop] = self.roots.loops
+        """The one loop, poles on the axis that a zero cancels among its hidden ones."""
+        loop: FactoredLoop = self.roots.loops[0]
         return loop
 
     @property
@@ -255,7 +254,7 @@ class RootedLoops:
         second = second + _total(roots.signs * (share * (1.0 - share)))
         return Slopes(*self.gain_and_turns(omega), first, second)
 
-    def _each(self, values: Any) -> Any:
+    def _each(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return what the roots have of each loop, or of the one, for all B."""
         return np.broadcast_to(values, (self.count, *values.shape[1:]))
 

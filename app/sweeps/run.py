@@ -66,9 +66,9 @@ def sweep(
     seed : int, optional
         Of the sample: the same seed gives the same points.
     hold_gains : bool, optional
-        Gains that the file asks to be designed are designed once, for the plant in the file (and
-        for each specification that is swept), as those of a drive that knows no better; False
-        designs them anew at every point.
+        Gains that the file asks to be designed are designed once, for plant and delay in the file
+        (and for whatever else of the controller is swept, such as its specification), as those
+        of a drive that knows no better; False designs them anew at every point.
     output : path, optional
         A folder ``….zarr`` or a file ``….nc`` that the results are saved to as they come. A
         sweep that was stopped goes on where it was.
@@ -215,6 +215,7 @@ def workers_of(workers: int | None, batches: int) -> int:
 
 
 def _work(problem: Problem, first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
+    problem.prepare(points)
     return first, [problem.evaluate(point) for point in points]
 
 
