@@ -11,8 +11,10 @@ from ..shaping.pieces import FloatArray
 _NOTHING = 1e-13  # of the largest coefficient, in the axis's own unit of time
 
 
-def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
+def transfer_polynomials(axis: Any, sensor: str | None = None) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator of g(s) of an Axis, highest power first, the lag included.
+
+    Measured at its own sensor, or where `sensor` says, "motor" or "load".
 
     The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
     give the coefficients to rounding; those that are rounding alone are 0.
@@ -24,19 +26,19 @@ def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
         denominator = own.den_array[0, 0]
         numerator = _without_rounding(own.num_array[0, 0], denominator)
     else:
-        numerator, denominator = _polynomials(axis)
+        numerator, denominator = _polynomials(axis, sensor or axis.sensor)
     return numerator, np.polymul([axis.current_lag, 1.0], denominator) if (
         axis.current_lag
     ) else denominator
 
 
-def _polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
+def _polynomials(axis: Any, sensor: str) -> tuple[FloatArray, FloatArray]:
     m = axis.mechanics
     size = len(m.mass)
     mean = axis.J  # determinants in units of J
     mass, damping, stiffness = m.mass / mean, m.damping / mean, m.stiffness / mean
     unit = _unit(mass, damping, stiffness)
-    row = m.load if axis.sensor != "motor" else np.eye(size)[0]
+    row = m.load if sensor != "motor" else np.eye(size)[0]
     s = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))[:, None, None]
     dynamic = mass * s * s + damping * s + stiffness
     whole, seen = np.linalg.det(dynamic), _first_cofactors(dynamic) @ row
