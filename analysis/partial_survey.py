@@ -17,7 +17,7 @@ from .disturbed import (
     tracking_survey,
 )
 from .loop_survey import stable_margins
-from .margins import LoopMargins
+from .margins.shared_margins import AnyMargins
 from .peak_gain import PeakGain, peak_gain
 from .planned_moves import planned
 from .requirement_checks import figure_of
@@ -57,6 +57,8 @@ class PartialSurvey:
     jerk_filter : JerkFilter, optional
     conditions : mapping of str to object, optional
         `wind`, `encoder_noise`, `torque_step` and `tracking`, as `survey` takes them.
+    margins : callable, optional
+        Gives the loop's margins where they are found together with those of other loops.
     """
 
     def __init__(
@@ -66,11 +68,13 @@ class PartialSurvey:
         *,
         jerk_filter: JerkFilter | None = None,
         conditions: Mapping[str, Any] | None = None,
+        margins: Callable[[], AnyMargins] | None = None,
     ) -> None:
         self.loop = loop
         self._moves = tuple(moves)
         self._jerk_filter = jerk_filter
         self._conditions: Mapping[str, Any] = conditions or {}
+        self._margins = margins
 
     def figures(self, asked: Sequence[Requirement]) -> tuple[float, ...]:
         """Return the figures named, in SI units; a worst one of all moves by its bound.
@@ -85,9 +89,10 @@ class PartialSurvey:
         return tuple(figure_of(self, each) for each in asked)
 
     @cached_property
-    def margins(self) -> LoopMargins:
+    def margins(self) -> AnyMargins:
         """The margins of the loop, which is stable."""
-        return stable_margins(self.loop)
+        found = None if self._margins is None else self._margins()
+        return found if found is not None and found.stable else stable_margins(self.loop)
 
     @cached_property
     def _poles(self) -> Poles:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..plant import PID, Feedforward, Inertia, InertiaFeedforward, ServoLoop
 from ..shaping.pieces import FloatArray
-from .margins import LoopMargins
+from .margins.shared_margins import AnyMargins
 
 Poles = NDArray[np.complex128]
 
@@ -29,7 +29,7 @@ def is_ideal(loop: ServoLoop) -> bool:
     return isinstance(loop.plant, Inertia) and bare and fed
 
 
-def decaying_poles(margins: LoopMargins) -> Poles:
+def decaying_poles(margins: AnyMargins) -> Poles:
     """Return the closed-loop poles in rad/s; of a discrete loop log(z)/dt of those that last."""
     poles = margins.closed_loop_poles
     if margins.dt is None:

@@ -171,6 +171,11 @@ def parse_any(text: object, kinds: Sequence[Kind]) -> tuple[float, Kind]:
     UnitError
         If `text` is none of them.
     """
+    value, place = (_parsed if isinstance(text, str) else _parse)(text, tuple(kinds))
+    return value, kinds[place]
+
+
+def _parse(text: object, kinds: tuple[Kind, ...]) -> tuple[float, int]:
     remedy = "write " + " or ".join(f"{kind.name} such as {kind.example!r}" for kind in kinds)
     try:
         number, unit = _split(text)
@@ -181,7 +186,10 @@ def parse_any(text: object, kinds: Sequence[Kind]) -> tuple[float, Kind]:
         raise UnitError(f"{show(text)} {error}; {remedy}") from error
     if not kind.admits(value):
         raise UnitError(f"{show(text)} is out of range; {remedy}")
-    return value, kind
+    return value, next(k for k, each in enumerate(kinds) if each is kind)
+
+
+_parsed = lru_cache(maxsize=4096)(_parse)  # a sweep reads the same file again and again
 
 
 def factor(unit: str) -> float:

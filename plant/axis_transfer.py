@@ -11,8 +11,10 @@ from ..shaping.pieces import FloatArray
 _NOTHING = 1e-13  # of the largest coefficient, in the axis's own unit of time
 
 
-def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
+def transfer_polynomials(axis: Any, sensor: str | None = None) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator of g(s) of an Axis, highest power first, the lag included.
+
+    Measured at its own sensor, or where `sensor` says, "motor" or "load".
 
     The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
     give the coefficients to rounding; those that are rounding alone are 0.
@@ -24,23 +26,22 @@ def transfer_polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
         denominator = own.den_array[0, 0]
         numerator = _without_rounding(own.num_array[0, 0], denominator)
     else:
-        numerator, denominator = _polynomials(axis)
+        numerator, denominator = _polynomials(axis, sensor or axis.sensor)
     return numerator, np.polymul([axis.current_lag, 1.0], denominator) if (
         axis.current_lag
     ) else denominator
 
 
-def _polynomials(axis: Any) -> tuple[FloatArray, FloatArray]:
+def _polynomials(axis: Any, sensor: str) -> tuple[FloatArray, FloatArray]:
     m = axis.mechanics
     size = len(m.mass)
     mean = axis.J  # determinants in units of J
     mass, damping, stiffness = m.mass / mean, m.damping / mean, m.stiffness / mean
     unit = _unit(mass, damping, stiffness)
-    row = m.load if axis.sensor != "motor" else np.eye(size)[0]
-    points = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))
-    dynamic = [mass * s * s + damping * s + stiffness for s in points]
-    whole = np.array([np.linalg.det(matrix) for matrix in dynamic])
-    seen = np.array([row @ _first_cofactors(matrix) for matrix in dynamic])
+    row = m.load if sensor != "motor" else np.eye(size)[0]
+    s = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))[:, None, None]
+    dynamic = mass * s * s + damping * s + stiffness
+    whole, seen = np.linalg.det(dynamic), _first_cofactors(dynamic) @ row
     above, below = _coefficients(seen, unit), _coefficients(whole, unit)
     if not axis.spring:
         below[0] = 0.0
@@ -67,13 +68,11 @@ def _unit(*matrices: FloatArray) -> float:
     return float(np.exp(0.5 * np.log(lines).mean())) if lines.size else 1.0
 
 
-def _first_cofactors(matrix: FloatArray) -> FloatArray:
-    """Return the first column of the adjugate."""
-    size = len(matrix)
-    cofactors = [
-        (-1.0) ** i * np.linalg.det(np.delete(np.delete(matrix, 0, 0), i, 1)) for i in range(size)
-    ]
-    return np.array(cofactors)
+def _first_cofactors(matrices: Any) -> Any:
+    """Return the first columns of the adjugates, (N, n)."""
+    below, columns = matrices[:, 1:], np.arange(matrices.shape[1])
+    cofactors = [(-1.0) ** i * np.linalg.det(below[..., columns != i]) for i in columns]
+    return np.stack(cofactors, axis=1)
 
 
 def _coefficients(values: FloatArray, unit: float) -> FloatArray:

@@ -199,12 +199,10 @@ def _terms(gains: FloatArray) -> dict[int, float]:
 
 def _polynomials(axis: Axis) -> _Polynomials:
     """Return D, N_load and N_motor, lowest power first, the lag's factor in D."""
-    from dataclasses import replace
-
     from .axis_transfer import transfer_polynomials
 
-    load, whole = transfer_polynomials(replace(axis, sensor="load"))
-    motor, _ = transfer_polynomials(replace(axis, sensor="motor"))
+    load, whole = transfer_polynomials(axis, "load")
+    motor, _ = transfer_polynomials(axis, "motor")
     return whole[::-1], load[::-1], motor[::-1]
 
 

@@ -159,7 +159,7 @@ class Run:
         times, modes, states = self._split if command else (self.times, self.modes, self.states)
         modes, states = modes[: len(times) - 1], states[: len(times) - 1]
         rows = np.empty((self.terms, len(times) - 1))
-        for mode in np.unique(modes):
+        for mode in np.flatnonzero(np.bincount(modes)):
             terms = [row]
             for _ in range(self.terms - 1):
                 terms.append(terms[-1][: self.layout.moving] @ self.hybrid.rates[mode])

@@ -108,7 +108,7 @@ class Pieces:
 def _roots_between(coefficients: FloatArray) -> list[float]:
     """Return real roots in [0, 1], polished by Newton's iteration."""
     sizes = np.abs(coefficients)
-    if not sizes.any():
+    if not sizes.any() or sizes[0] > sizes[1:].sum():
         return []
     count = int(np.flatnonzero(sizes > 1e-19 * sizes.max())[-1]) + 1
     polynomial = coefficients[:count][::-1]

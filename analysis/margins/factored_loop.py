@@ -1,6 +1,7 @@
 """An open-loop transfer as zeros, poles, gain and delay, and its values on the imaginary axis."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -41,9 +42,7 @@ class FactoredLoop:
 
     def radians(self, omega: Real) -> Real:
         """Return scaled frequencies in rad/s; at the limits 0, and inf or half the sampling's."""
-        scaled = np.where(omega == HIGHEST, np.inf, omega * self.scale)
-        real = scaled if self.dt is None else 2.0 / self.dt * np.arctan(scaled)
-        return np.asarray(np.where(omega == LOWEST, 0.0, real))
+        return radians(omega, self.scale, self.dt)
 
     def hertz(self, omega: float) -> float:
         """Return a scaled frequency in Hz."""
@@ -85,6 +84,13 @@ class FactoredLoop:
             return np.asarray(poles[np.argsort(-poles.real, kind="stable")])
         poles = (1 + poles) / (1 - poles)
         return np.asarray(poles[np.argsort(-abs(poles), kind="stable")])
+
+
+def radians(omega: Real, scale: Any, dt: Any) -> Real:
+    """Return frequencies in units of `scale` in rad/s, with `dt` those of the plane of w."""
+    scaled = np.where(omega == HIGHEST, np.inf, omega * scale)
+    real = scaled if dt is None else 2.0 / dt * np.arctan(scaled)
+    return np.asarray(np.where(omega == LOWEST, 0.0, real))
 
 
 def is_stable(poles: Complex) -> bool:

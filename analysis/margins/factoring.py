@@ -45,8 +45,8 @@ def factored(
         parts, samples = without_samples(*parts)
         parts = around_one(*parts)
     loop = _of_state_space(*parts) if len(parts) == 4 else _of_transfer_function(*parts)
-    if samples:
-        loop = replace(loop, closed=_closed_behind(parts, samples), samples=samples)
+    closed = _closed_behind(parts, samples) if samples else _closed(parts)
+    loop = replace(loop, closed=closed, samples=samples)
     # Behind a delay nothing of high frequency comes back at once.
     direct = loop.zeros.size == loop.poles.size and not delay and not samples
     if direct and abs(1 + loop.gain) <= _ILL_POSED:
@@ -91,11 +91,19 @@ def _mean_power(roots: Complex) -> int:
 
 
 def _of_transfer_function(numerator: Real, denominator: Real) -> FactoredLoop:
-    whole = np.polyadd(denominator, numerator)
-    roots = [np.roots(part).astype(complex) for part in (numerator, denominator, whole)]
+    roots = [np.roots(part).astype(complex) for part in (numerator, denominator)]
     leading = [np.append(np.trim_zeros(part, "f"), 0.0)[0] for part in (numerator, denominator)]
     gain = float(leading[0] / leading[1])
-    return FactoredLoop(roots[0], roots[1], gain, roots[2], np.empty(0, complex))
+    return FactoredLoop(roots[0], roots[1], gain, *(np.empty(0, complex),) * 2)
+
+
+def _closed(parts: tuple[Real, ...]) -> Complex:
+    """Return the roots of 1 + L."""
+    if len(parts) == 2:
+        return np.roots(np.polyadd(parts[1], parts[0])).astype(complex)
+    a, b, c, d = parts
+    kept = _passing(a, b, c)
+    return _invariant_zeros(*_balanced(a[np.ix_(kept, kept)], b[kept], c[kept], d), 1 + d)[0]
 
 
 def _closed_behind(parts: tuple[Real, ...], samples: int) -> Complex:
@@ -132,8 +140,7 @@ def _of_state_space(a: Real, b: Real, c: Real, d: Real) -> FactoredLoop:
     a, b, c = _balanced(a[np.ix_(kept, kept)], b[kept], c[kept], d)
     poles = _eigenvalues(a)
     zeros, gain = _refined((a, b, c, d), poles, *_invariant_zeros(a, b, c, d))
-    closed = _invariant_zeros(a, b, c, 1 + d)[0]
-    return FactoredLoop(zeros, poles, gain, closed, hidden)
+    return FactoredLoop(zeros, poles, gain, np.empty(0, complex), hidden)
 
 
 def _passing(a: Real, b: Real, c: Real) -> npt.NDArray[np.bool_]:
@@ -181,13 +188,17 @@ def _invariant_zeros(a: Any, b: Any, c: Any, d: Any) -> tuple[Complex, float]:
 def _eigenvalues(matrix: Any) -> Complex:
     """Eigenvalues, block by block of states that follow one another both ways."""
     joined = _joined(matrix)
-    blocks = np.unique(joined & joined.T, axis=0)
+    mutual = joined & joined.T
+    first = mutual.argmax(axis=1) if mutual.size else np.empty(0)
+    blocks = mutual[first == np.arange(len(matrix))][::-1]
     parts = [_block_eigenvalues(matrix[np.ix_(block, block)]) for block in blocks]
     return np.concatenate([*parts, np.empty(0)]).astype(complex)
 
 
 def _block_eigenvalues(matrix: Any) -> Complex:
     """Eigenvalues, those at 0 exact: the null space is split off before the rest is solved."""
+    if matrix.size == 1:
+        return np.asarray(matrix[0].astype(complex))
     # Given rows count each by itself; what a split leaves is rounded by the largest of them.
     rows = np.linalg.norm(matrix, axis=1, keepdims=True)
     scaled, floor = matrix / np.where(rows > 0, rows, 1.0), 1.0

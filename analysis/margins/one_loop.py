@@ -266,7 +266,7 @@ def _margins(
     """Every margin of a stable loop, by field name."""
     margins = gain_margins_at(*crossings) | phase_and_delay(pieces)
     values = {name: float(value[0]) for name, value in margins.items()}
-    inverse = _inverse(pieces)
+    inverse = inverse_pieces(pieces)
     least_s, at_s = _least(pieces, crossings)
     least_t, at_t = _least(inverse, (-crossings[0], crossings[1]))
     least_d, at_d = _least(pieces, crossings, QUOTIENT)
@@ -286,10 +286,10 @@ def _margins(
     }
 
 
-def _inverse(pieces: OnePieces) -> OnePieces:
+def inverse_pieces(pieces: OnePieces) -> OnePieces:
     """Return the pieces of 1/L."""
     loops = pieces.loops.inverse()
-    turns = loops.roots.offset + pieces.loops.roots.offset - pieces.turns
+    turns = (loops.roots.offset + pieces.loops.roots.offset)[:, None] - pieces.turns
     return Pieces(loops, pieces.omega, -pieces.gain, turns, pieces.crossing)
 
 

@@ -68,11 +68,8 @@ def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
         return np.empty(0)
     count = 1 + int((sizes.max() - sizes.min()) / _DECADES)
     with np.errstate(all="ignore"):
-        starts = [
-            _pivoted(places, weights, constant, -np.exp(0.5j) * 10**exponent)
-            for exponent in np.linspace(sizes.min(), sizes.max(), 2 * count + 1)[1::2]
-        ]
-        x = np.concatenate(starts)
+        exponents = np.linspace(sizes.min(), sizes.max(), 2 * count + 1)[1::2]
+        x = _pivoted(places, weights, constant, -np.exp(0.5j) * 10**exponents)
         for _ in range(3):
             near = 1 / (x[:, None] - places)
             step = ((near @ weights + constant) / (near**2 @ weights)).real
@@ -82,10 +79,11 @@ def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
     return x[np.diff(x, prepend=0.0) > 1e-9 * x]
 
 
-def _pivoted(places: Complex, weights: Complex, constant: float, pivot: complex) -> Real:
-    diagonal = 1 / (places - pivot)
-    total = weights @ diagonal - constant
-    if total == 0:
-        return np.empty(0)
-    inverse = np.linalg.eigvals(np.diag(diagonal) - weights * diagonal**2 / total)
-    return np.asarray((pivot + 1 / inverse).real)
+def _pivoted(places: Complex, weights: Complex, constant: float, pivots: Complex) -> Real:
+    diagonal = 1 / (places - pivots[:, None])
+    total = diagonal @ weights - constant
+    pivots, diagonal, total = (part[total != 0] for part in (pivots, diagonal, total))
+    ranks_one = weights * diagonal**2 / total[:, None]
+    matrices = np.eye(places.size) * diagonal[:, :, None] - ranks_one[:, None, :]
+    inverse = np.linalg.eigvals(matrices)
+    return np.asarray((pivots[:, None] + 1 / inverse).real.ravel())

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, nan
 from pathlib import Path
 from typing import Any
 
+from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
 from ...plant import PID, as_controller
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
-from ..scenario_commands import survey_conditions
+from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
+
+_MOST_DESIGNS = 256  # that are kept
 
 
 @dataclass(frozen=True)
@@ -23,8 +27,8 @@ class Problem:
     """What is worked out at every point: a scenario's content, and which figures of it.
 
     It is sent to other processes and machines, which need not have the file. With `hold_gains`
-    the gains that a file has designed are designed for the plant as it stands in the file, and
-    stay what they are however the plant varies.
+    the gains that a file has designed are designed for plant and delay as they stand in the file,
+    and stay what they are however these vary.
     """
 
     path: Path
@@ -32,9 +36,8 @@ class Problem:
     keys: tuple[str, ...]
     figures: tuple[str, ...]
     hold_gains: bool = True
-    _designed: dict[tuple[object, ...], Any] = field(
-        default_factory=dict, repr=False, compare=False
-    )
+    _designed: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    _prepared: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def overrides(self, values: Sequence[object]) -> dict[str, object]:
         """Return what is put into the file at a point, held gains included."""
@@ -49,23 +52,39 @@ class Problem:
         """Return the scenario at a point."""
         return self.with_overrides(self.overrides(values))
 
+    def prepare(self, points: Sequence[Sequence[object]]) -> None:
+        """Bring points to what is worked out together with less work than one after the other."""
+        known = {_name(values): self._begun(values) for values in points}
+        servo = [each for each in known.values() if isinstance(each, _Servo)]
+        shared = SharedLoops([each.loop for each in servo])
+        for k, each in enumerate(servo):
+            each.margins = partial(shared.margins, k)
+        self._prepared.clear()
+        self._prepared.update(known)
+
+    def _begun(self, values: Sequence[object]) -> _Servo | _Measured | ValueError:
+        try:
+            scenario = self.scenario(values)
+            return _Measured(scenario) if scenario.body == "frf" else _Servo(scenario)
+        except ValueError as error:
+            return error
+
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
 
         A point that cannot be surveyed does not end the sweep; anything else than bad input
         does, being a mistake of ours.
         """
+        found: Any = self._prepared.get(_name(values)) or self._begun(values)
         try:
-            scenario = self.scenario(values)
-            labels = scenario.labels
+            if isinstance(found, ValueError):
+                raise found
             asked = [requirement_of(name) for name in self.figures]
-            found = [
-                value / labels.unit_of(each.unit)[1]
-                for value, each in zip(_figures(scenario, asked), asked, strict=True)
-            ]
+            units = [found.scenario.labels.unit_of(each.unit)[1] for each in asked]
+            figures = found.figures(asked)
         except ValueError as error:
             return (nan,) * len(self.figures), str(error)
-        return tuple(found), ""
+        return tuple(x / unit for x, unit in zip(figures, units, strict=True)), ""
 
     def with_overrides(self, overrides: Mapping[str, object]) -> Scenario:
         """Return the scenario with values in place of the file's."""
@@ -73,22 +92,51 @@ class Problem:
 
     def _gains(self, given: Mapping[str, object]) -> dict[str, str] | None:
         """Return the designed gains as a file has them; None where the file gives its own."""
-        believed = {key: value for key, value in given.items() if not key.startswith("plant.")}
-        key = tuple(believed.items())
-        if key not in self._designed:
-            self._designed[key] = _designed_gains(self.with_overrides(believed))
-        known: dict[str, str] | None = self._designed[key]
+        believed = {key: value for key, value in given.items() if _is_believed(key)}
+        name = repr(believed)
+        if name not in self._designed:
+            if len(self._designed) >= _MOST_DESIGNS:
+                self._designed.clear()
+            self._designed[name] = _designed_gains(self.with_overrides(believed))
+        known: dict[str, str] | None = self._designed[name]
         return known
 
 
-def _figures(scenario: Scenario, asked: Sequence[Requirement]) -> Sequence[float]:
-    """Return figures of a scenario in SI units, of a measured loop those of its margins."""
-    if scenario.body == "frf":
-        return [check.achieved for check in survey_measured(scenario, asked).requirements]
-    conditions = survey_conditions(scenario)
-    loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
-    partial = PartialSurvey(loop, scenario.moves, jerk_filter=behind, conditions=conditions)
-    return partial.figures(asked)
+def _is_believed(key: str) -> bool:
+    """Whether a key is known to who designs the gains: the controller's, but not its delay."""
+    return key.startswith("controller.") and key != "controller.delay"
+
+
+class _Servo:
+    """A scenario's loop, built, and what is worked out of it."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario, self.loop = scenario, servo_loop_of(scenario)
+        self.margins: Callable[[], AnyMargins] | None = None
+
+    def figures(self, asked: Sequence[Requirement]) -> Sequence[float]:
+        """Return figures in SI units."""
+        conditions, behind = survey_conditions(self.scenario), jerk_filter_of(self.scenario)
+        moves = moves_of(self.scenario)
+        survey = PartialSurvey(
+            self.loop, moves, jerk_filter=behind, conditions=conditions, margins=self.margins
+        )
+        return survey.figures(asked)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """A scenario of a measured plant, whose margins alone are known."""
+
+    scenario: Scenario
+
+    def figures(self, asked: Sequence[Requirement]) -> Sequence[float]:
+        """Return figures in SI units."""
+        return [check.achieved for check in survey_measured(self.scenario, asked).requirements]
+
+
+def _name(values: Sequence[object]) -> str:
+    return repr(tuple(values))
 
 
 def _designed_gains(scenario: Scenario) -> dict[str, str] | None:

@@ -24,7 +24,7 @@ from .store import NEEDS, Store
 if TYPE_CHECKING:
     import xarray
 
-_BATCH = 16  # points that a worker takes at once, and that a kill may cost
+_BATCHES = (4, 64)  # points that a worker takes at once, and that a kill may cost, by their count
 
 Row = tuple[tuple[float, ...], str]
 
@@ -66,9 +66,9 @@ def sweep(
     seed : int, optional
         Of the sample: the same seed gives the same points.
     hold_gains : bool, optional
-        Gains that the file asks to be designed are designed once, for the plant in the file (and
-        for each specification that is swept), as those of a drive that knows no better; False
-        designs them anew at every point.
+        Gains that the file asks to be designed are designed once, for plant and delay in the file
+        (and for whatever else of the controller is swept, such as its specification), as those
+        of a drive that knows no better; False designs them anew at every point.
     output : path, optional
         A folder ``….zarr`` or a file ``….nc`` that the results are saved to as they come. A
         sweep that was stopped goes on where it was.
@@ -106,9 +106,10 @@ def sweep(
     problem = Problem(path, read_content(path), keys, asked, hold_gains)
     problem.scenario(points[0])  # a key that leads nowhere ends it here
     dataset = _empty(problem, known, points, nominal, {"design": design, "seed": seed})
-    store = Store(dataset, None if output is None else Path(output), _BATCH)
+    size = batch_of(len(points))
+    store = Store(dataset, None if output is None else Path(output), size)
     todo = store.missing()
-    rows = _rows(problem, points, list(_batches(todo)), workers, client)
+    rows = _rows(problem, points, list(_batches(todo, size)), workers, client)
     with shown_progress(len(points), len(points) - len(todo), progress) as advance:
         for first, found in rows:
             store.write(first, found)
@@ -181,9 +182,15 @@ def _identity(problem: Problem, points: Sequence[Point]) -> str:
     return json.dumps(digests)
 
 
-def _batches(todo: Sequence[int]) -> Iterator[range]:
+def batch_of(points: int) -> int:
+    """Return how many points are worked out together: enough for speed, few enough to share."""
+    least, most = _BATCHES
+    return max(least, min(most, points // 16))
+
+
+def _batches(todo: Sequence[int], size: int) -> Iterator[range]:
     """Yield runs of consecutive points, none across the chunks that are written at once."""
-    for _, run in groupby(enumerate(todo), lambda pair: (pair[1] - pair[0], pair[1] // _BATCH)):
+    for _, run in groupby(enumerate(todo), lambda pair: (pair[1] - pair[0], pair[1] // size)):
         numbers = [number for _, number in run]
         yield range(numbers[0], numbers[-1] + 1)
 
@@ -215,6 +222,7 @@ def workers_of(workers: int | None, batches: int) -> int:
 
 
 def _work(problem: Problem, first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
+    problem.prepare(points)
     return first, [problem.evaluate(point) for point in points]
 
 
