@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from .common_options import AS_JSON, QUIET, SCENARIO
 from .fmu_options import seconds
 
 export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
@@ -27,7 +28,7 @@ class FirmwareChoice(StrEnum):
 
 @export_app.command("c")
 def export_c_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     block: Annotated[
         FirmwareChoice,
         typer.Option(
@@ -37,7 +38,11 @@ def export_c_command(
     ],
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", help="Folder to write: new, empty or an earlier export."),
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder to write: new, empty or an earlier export, which is replaced.",
+        ),
     ],
     move: Annotated[
         str | None,
@@ -52,6 +57,8 @@ def export_c_command(
             help="Of what has none of its own: a continuous controller, follower, shaper."
         ),
     ] = "1 ms",
+    as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""
     from .printing import print_parts
@@ -73,5 +80,10 @@ def export_c_command(
     except OSError as error:
         told = error.strerror or str(error).partition(": ")[2] or error
         raise ValueError(f"--output {output}: {told}") from None
+    if as_json:
+        from .json_output import print_json
+
+        print_json({"folder": made.folder, "files": made.files, "notes": notes})
+        return
     print_parts(f"Wrote {made.folder}: {block.value}, C99, {len(made.files)} files")
     print_parts(*notes)
