@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from .common_options import AS_JSON, OVERRIDES, QUIET
+from .standard_input import STANDARD_INPUT
+
 if TYPE_CHECKING:
     from .gate import GateReport
     from .gate.ci_reports import BadInput
@@ -20,16 +23,6 @@ if TYPE_CHECKING:
 
 BAD_INPUT = 2
 CHECK_FAILED = 1
-OVERRIDES = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help='In place of the file\'s, such as limits.axis.jerk="3 deg/s^3"; may be repeated.',
-    ),
-]
-
-AS_JSON = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, no tables.")]
 
 
 class CheckFormat(StrEnum):
@@ -58,7 +51,10 @@ class _Files:
 def check_command(
     scenarios: Annotated[
         list[str],
-        typer.Argument(help="Scenario files (TOML), see examples/; or patterns, 'axes/*.toml'."),
+        typer.Argument(
+            help="Scenario files (TOML), see examples/; patterns, 'axes/*.toml'; - is standard "
+            "input."
+        ),
     ],
     baseline: Annotated[
         Path | None,
@@ -69,11 +65,17 @@ def check_command(
         typer.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
     ] = None,
     update: Annotated[
-        bool, typer.Option("--update", help="Store the numbers, if they keep the bounds.")
+        bool,
+        typer.Option(
+            "--update", help="Store the numbers, in place of those before, if they keep the bounds."
+        ),
     ] = False,
     overrides: OVERRIDES = None,
     junit: Annotated[
-        Path | None, typer.Option(help="Write the outcome to this file, as JUnit XML.")
+        Path | None,
+        typer.Option(
+            help="Write the outcome to this file, as JUnit XML; one that is there is replaced."
+        ),
     ] = None,
     output: Annotated[
         CheckFormat, typer.Option("--format", help="github: print annotations, too.")
@@ -82,6 +84,7 @@ def check_command(
         bool, typer.Option("--all", help="Show what stayed the same, too.")
     ] = False,
     as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Compare loops' margins and moves with stored numbers and bounds; status 1 if worse.
 
@@ -103,13 +106,15 @@ def check_command(
     try:
         paths = scenario_files(scenarios)
         _refuse_several(paths, files)
+        if STANDARD_INPUT in paths:
+            _refuse_without_files(files, update=update)
         given = read_overrides(overrides or ())
         outcomes = [_outcome(path, files, given, update=update) for path in paths]
         written = _write(outcomes, files)
     except (ValueError, OSError) as error:
         _replace_junit([BadInput(each.path, message_of(error)) for each in outcomes], files)
         if output is CheckFormat.GITHUB:
-            print_parts(github_error(message_of(error)))
+            print(github_error(message_of(error)))
         raise
     if as_json:
         _print_json(outcomes)
@@ -132,6 +137,14 @@ def _refuse_several(paths: Sequence[Path], files: _Files) -> None:
                 f"{option} {path}: is of one scenario, and {len(paths)} are given; leave it out: "
                 "each has its own beside it"
             )
+
+
+def _refuse_without_files(files: _Files, *, update: bool) -> None:
+    """Refuse a scenario of standard input, beside which nothing lies, with nothing to hold to."""
+    if files.baseline is None and (update or files.checks is None):
+        raise ValueError("-: no baseline lies beside standard input; give --baseline FILE")
+    if files.baseline == STANDARD_INPUT and update:
+        raise ValueError("--baseline -: standard input cannot be written; name a file")
 
 
 def _outcome(
@@ -215,7 +228,8 @@ def _print(
 
     if isinstance(outcome, BadInput):
         print(f"jounce: {outcome.message}", file=sys.stderr)
-        print_parts(*[github_error(outcome.message)] * (output is CheckFormat.GITHUB))
+        if output is CheckFormat.GITHUB:
+            print(github_error(outcome.message))
         return
     title = heading(outcome, file=several)
     rows, left_out = shown_rows(outcome, everything=everything, brief=several)
@@ -226,5 +240,6 @@ def _print(
     if left_out:
         print_parts(f"{left_out}\n")
     if output is CheckFormat.GITHUB:
-        print_parts(*github_lines(outcome))
+        for line in github_lines(outcome):
+            print(line)
     print_parts(summary(outcome), *[""] * several)

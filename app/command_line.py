@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .check_command import AS_JSON, CHECK_FAILED, OVERRIDES, check_command
+from .check_command import CHECK_FAILED, check_command
+from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
+from .completion import Shell, completion_script
 from .explore_command import explore_command
 from .export_commands import export_app
 from .fmu_commands import fmu_app
 from .frf_command import frf_command
-from .printing import message_of, print_parts
+from .printing import message_of, print_parts, print_text
 from .sweep_command import sweep_command
 from .usage import USAGE_ERRORS, unknown_option, usage_message
 
@@ -89,7 +91,7 @@ def _jounce(
 
 @app.command("survey")
 def survey_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -107,6 +109,7 @@ def survey_command(
     ] = False,
     overrides: OVERRIDES = None,
     as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Print a loop's margins, design check and moves; with --output write them with a picture.
 
@@ -146,13 +149,40 @@ def schema_command(
         str,
         typer.Option("--format", metavar="INTEGER", help="Format of the scenario files: 2, or 1."),
     ] = "2",
+    _: AS_JSON = False,
+    __: QUIET = False,
 ) -> None:
     """Print the JSON schema of scenario files, by which editors complete and check keys."""
     from .scenario_schema import shipped_schema
 
     if not number.isdecimal():
         raise ValueError(f"--format {number!r}: expected 1 or 2, such as --format 2")
-    print(shipped_schema(int(number)), end="")
+    print_text(shipped_schema(int(number)))
+
+
+@app.command("completion")
+def completion_command(
+    shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")],
+    as_json: AS_JSON = False,
+    _: QUIET = False,
+) -> None:
+    """Print what a shell needs to complete commands and options.
+
+    bash: eval "$(jounce completion bash)" in ~/.bashrc.
+
+    zsh: eval "$(jounce completion zsh)" in ~/.zshrc.
+
+    fish: jounce completion fish > ~/.config/fish/completions/jounce.fish
+    """
+    from typer.main import get_command
+
+    script = completion_script(get_command(app), shell)
+    if as_json:
+        from .json_output import print_json
+
+        print_json({"shell": shell.value, "script": script})
+        return
+    print_text(script)
 
 
 # Without ignore_unknown_options a negative distance would pass for an option.
@@ -214,11 +244,18 @@ def plan_command(
     pieces: Annotated[
         bool, typer.Option("--pieces", help="Print the switch table from order 4 on, too.")
     ] = False,
-    csv: Annotated[Path | None, typer.Option(help="Write the switch table to this file.")] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(help="Write the switch table to this file; one that is there is replaced."),
+    ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw the move to this file (.png, .pdf, .svg).")
+        Path | None,
+        typer.Option(
+            help="Draw the move to this file (.png, .pdf, .svg); one that is there is replaced."
+        ),
     ] = None,
     as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Plan the fastest move between rests: its duration, its peaks and what limits them.
 

@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
+from .common_options import AS_JSON, QUIET, SCENARIO
 from .printing import print_parts
 
 
 def explore_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     frf: Annotated[
         Path | None, typer.Option(help="Measured response to lay over the model.")
     ] = None,
@@ -24,12 +25,19 @@ def explore_command(
     port: Annotated[int, typer.Option(help="Port on this machine; any that is free.")] = 0,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
     stay: Annotated[bool, typer.Option("--stay", help="Go on when the page is closed.")] = False,
+    as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Open a page to shape a scenario's loop and moves in; it ends with the page, or Ctrl-C."""
     from .explorer.serving import serve_scenario
 
     def started(address: str) -> None:
-        print_parts(f"{address}\nclose the page, or press Ctrl-C, to end")
+        if as_json:
+            from .json_output import print_json
+
+            print_json({"address": address})
+        else:
+            print_parts(f"{address}\nclose the page, or press Ctrl-C, to end")
         if browser:
             import webbrowser
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .block_choice import BLOCK_AS_C, check_move
-from .check_command import OVERRIDES
+from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import seconds
 
 export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
@@ -16,11 +16,15 @@ export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args
 
 @export_app.command("c")
 def export_c_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     block: BLOCK_AS_C,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", help="Folder to write: new, empty or an earlier export."),
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder to write: new, empty or an earlier export, which is replaced.",
+        ),
     ],
     move: Annotated[
         str | None,
@@ -36,6 +40,8 @@ def export_c_command(
         ),
     ] = "1 ms",
     overrides: OVERRIDES = None,
+    as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Write C99 for firmware, with an example and a Makefile; in rad or m, and s."""
     from .overrides import read_overrides
@@ -57,6 +63,11 @@ def export_c_command(
     except OSError as error:
         told = error.strerror or str(error).partition(": ")[2] or error
         raise ValueError(f"--output {output}: {told}") from None
+    if as_json:
+        from .json_output import print_json
+
+        print_json({"folder": made.folder, "files": made.files, "notes": notes})
+        return
     print_parts(*(f"with {text}" for text in read.overrides))
     print_parts(f"Wrote {made.folder}: {block.value}, C99, {len(made.files)} files")
     print_parts(*notes)

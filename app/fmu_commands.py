@@ -10,9 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from .block_choice import BLOCK_AS_FMU, BlockChoice, check_move
-from .check_command import AS_JSON, OVERRIDES
+from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
 from .fmu_run import run_command
+from .standard_input import STANDARD_INPUT, file_of
 
 fmu_app = typer.Typer(
     help="FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.",
@@ -29,7 +30,7 @@ class FmiVersion(StrEnum):
 
 @fmu_app.command("export")
 def export_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     block: BLOCK_AS_FMU,
     move: Annotated[
         str | None,
@@ -38,7 +39,11 @@ def export_command(
     fmi: Annotated[FmiVersion, typer.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File to write. Default: SCENARIO_BLOCK.fmu, here."),
+        typer.Option(
+            "--output",
+            "-o",
+            help="File to write; one that is there is replaced. Default: SCENARIO_BLOCK.fmu.",
+        ),
     ] = None,
     sample_time: Annotated[
         str,
@@ -52,6 +57,8 @@ def export_command(
         ),
     ] = None,
     overrides: OVERRIDES = None,
+    as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Write a block of a scenario as an FMU that needs no Python; in rad or m, and s."""
     from ..fmu import CompilerError
@@ -79,6 +86,11 @@ def export_command(
     except OSError as error:
         told = error.strerror or error
         raise ValueError(f"--output {path}: {told}; give a path that can be written") from None
+    if as_json:
+        from .json_output import print_json
+
+        print_json(made)
+        return
     binaries = ", ".join(made.platforms) or "no binary, sources only"
     print_parts(*(f"with {text}" for text in read.overrides))
     print_parts(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
@@ -87,12 +99,16 @@ def export_command(
 
 @fmu_app.command("inspect")
 def inspect_command(
-    file: Annotated[Path, typer.Argument(help="FMU, FMI 2.0 or 3.0, or SSP; file or folder.")],
+    file: Annotated[
+        Path,
+        typer.Argument(help="FMU, FMI 2.0 or 3.0, or SSP; file, folder, or - for standard input."),
+    ],
     local: Annotated[bool, typer.Option("--local", help="Show local variables, too.")] = False,
     max_size: Annotated[
         str | None, typer.Option(help="What the file may unpack to, such as '4 GB'.")
     ] = None,
     as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Print what an FMU or SSP says of itself; nothing of it is run or unpacked for good."""
     from ..fmu.cosimulation.load_ssp import inspect_ssp
@@ -100,16 +116,18 @@ def inspect_command(
     from .fmu_report import fmu_tables, ssp_tables
     from .printing import print_parts
 
-    check_readable(file)
     limit = None if max_size is None else size_in_bytes("--max-size", max_size)
-    inspect: Callable[..., Any] = inspect_ssp if is_ssp(file) else inspect_fmu
-    found = inspect(file, max_unpacked_bytes=limit)
+    with file_of(file, "an FMU or SSP") as path:
+        check_readable(path)
+        system = is_ssp(path)
+        inspect: Callable[..., Any] = inspect_ssp if system else inspect_fmu
+        found = inspect(path, max_unpacked_bytes=limit)
     if as_json:
         from .json_output import print_json
 
         print_json(found)
         return
-    print_parts(*(ssp_tables(found) if is_ssp(file) else fmu_tables(found, local=local)))
+    print_parts(*(ssp_tables(found) if system else fmu_tables(found, local=local)))
 
 
 fmu_app.command("run")(run_command)
@@ -126,7 +144,8 @@ def _platforms(given: Sequence[str] | None) -> list[str] | None:
 def _file_name(scenario: Path, block: BlockChoice, move: str | None) -> str:
     from .result_files import slug
 
-    parts = [scenario.stem, block.value] + ([] if move is None else [slug(move)])
+    stem = "scenario" if scenario == STANDARD_INPUT else scenario.stem
+    parts = [stem, block.value] + ([] if move is None else [slug(move)])
     return "_".join(parts) + (".ssp" if block is BlockChoice.LOOP else ".fmu")
 
 

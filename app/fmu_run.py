@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .common_options import AS_JSON, QUIET
+from .standard_input import file_of
+
 if TYPE_CHECKING:
     from ..fmu.cosimulation.cosimulation_result import CosimulationResult
     from ..fmu.cosimulation.fmu_system import FmuSystem
@@ -25,7 +28,11 @@ _NEARLY = 1e-9
 
 def run_command(
     file: Annotated[
-        Path, typer.Argument(help="FMU for co-simulation, FMI 2.0 or 3.0, or SSP; file or folder.")
+        Path,
+        typer.Argument(
+            help="FMU for co-simulation, FMI 2.0 or 3.0, or SSP; file, folder, or - for standard "
+            "input."
+        ),
     ],
     duration: Annotated[
         str | None, typer.Option(help="In seconds, or such as '20 ms'. Default: to the stop time.")
@@ -40,15 +47,23 @@ def run_command(
     inputs: Annotated[
         Path | None,
         typer.Option(
-            "--input", help="CSV file: time, then inputs by name. A unit in brackets may follow."
+            "--input",
+            help="CSV file: time, then inputs by name. A unit in brackets may follow; - is "
+            "standard input.",
         ),
     ] = None,
     record: Annotated[
         list[str] | None, typer.Option(help="Variable to show, too; may be repeated.")
     ] = None,
-    csv: Annotated[Path | None, typer.Option(help="Write all signals to this file.")] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(help="Write all signals to this file; one that is there is replaced."),
+    ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw the outputs to this file (.png, .pdf, .svg).")
+        Path | None,
+        typer.Option(
+            help="Draw the outputs to this file (.png, .pdf, .svg); one that is there is replaced."
+        ),
     ] = None,
     stop_time: Annotated[
         str | None,
@@ -75,6 +90,8 @@ def run_command(
     sha256: Annotated[
         str | None, typer.Option(help="What the file must be, or none of it is run.")
     ] = None,
+    as_json: AS_JSON = False,
+    _: QUIET = False,
 ) -> None:
     """Run an FMU or an SSP. This runs native code: only files you trust.
 
@@ -92,7 +109,6 @@ def run_command(
     from .option_numbers import positive_number
     from .printing import print_parts
 
-    check_readable(file)
     check_files(file, {"--csv": csv, "--plot": plot}, inputs)
     until = None if stop_time is None else seconds("--stop-time", stop_time)
     wanted = None if duration is None else seconds("--duration", duration)
@@ -108,8 +124,9 @@ def run_command(
     }
     # a call that never returns would keep Python from hearing of a signal
     orderly = ended_in_order() if isolated else nullcontext()
-    with printed_as_errors(), orderly:
-        loaded, tables = _loaded(_Asked(file, setting or [], inputs, sha256, options))
+    with file_of(file, "an FMU or SSP") as path, printed_as_errors(), orderly:
+        check_readable(path)
+        loaded, tables = _loaded(_Asked(path, setting or [], inputs, sha256, options))
         with loaded as system:
             try:
                 result = system.run(_lasting(system, wanted, until), inputs=tables)
@@ -118,6 +135,11 @@ def run_command(
             finally:
                 _print_log(system)
             written = _write(result, system, csv, plot)
+    if as_json:
+        from .json_output import print_json, run_data
+
+        print_json(run_data(result, _unit_names(system)))
+        return
     print_parts(run_table(result, result.outputs, _unit_names(system)), *result.notes)
     print_parts(*([result.ended] if result.ended else []))
     if plot is not None and len(result.outputs) > _MAX_PANELS:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .common_options import QUIET
 from .printing import print_parts
+from .standard_input import file_of
 
 if TYPE_CHECKING:
     from ..analysis.measured import MeasuredResponse
@@ -17,7 +19,9 @@ UNSTABLE = 1
 
 
 def frf_command(
-    file: Annotated[Path, typer.Argument(help="Measured response: CSV, UFF 58 or .mat.")],
+    file: Annotated[
+        Path, typer.Argument(help="Measured response: CSV, UFF 58, .mat; - is standard input.")
+    ],
     kind: Annotated[
         str,
         typer.Option(
@@ -49,8 +53,12 @@ def frf_command(
     unstable_poles: Annotated[
         str | None, typer.Option(metavar="INTEGER", help="Of the plant.")
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw to this file (.png, .pdf, .svg).")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Draw to this file (.png, .pdf, .svg); one that is there is replaced."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    _: QUIET = False,
 ) -> None:
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
     from ..analysis.measured import measured_margins, read_frf
@@ -62,17 +70,18 @@ def frf_command(
     if plot is not None:
         check_picture(plot)
     names: Any = int(columns) if columns is not None and columns.isdigit() else columns
-    measured = read_frf(
-        file,
-        kind=kind,  # type: ignore[arg-type]
-        output=output,  # type: ignore[arg-type]
-        columns=names,
-        frequency_unit=frequency_unit,
-        averages=whole_number("--averages", averages, 1, 20),
-        dt=None if dt is None else seconds("--dt", dt),
-        integrators=whole_number("--integrators", integrators, 0, 2),
-        unstable_poles=whole_number("--unstable-poles", unstable_poles, 0, 1),
-    )
+    with file_of(file, "a measured response") as path:
+        measured = read_frf(
+            path,
+            kind=kind,  # type: ignore[arg-type]
+            output=output,  # type: ignore[arg-type]
+            columns=names,
+            frequency_unit=frequency_unit,
+            averages=whole_number("--averages", averages, 1, 20),
+            dt=None if dt is None else seconds("--dt", dt),
+            integrators=whole_number("--integrators", integrators, 0, 2),
+            unstable_poles=whole_number("--unstable-poles", unstable_poles, 0, 1),
+        )
     law = None if controller is None else _controller_of(controller)
     if measured.kind == "plant" and law is None:
         print_parts(_plant_text(measured, as_json=as_json))

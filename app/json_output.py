@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import numpy as np
 from ..shaping.derivatives import derivative_name
 
 if TYPE_CHECKING:
+    from ..fmu.cosimulation.cosimulation_result import CosimulationResult
     from ..shaping import Certificate
     from .gate import GateReport
     from .plan import Plan
@@ -65,6 +66,27 @@ def plan_data(plan: Plan, certificate: Certificate | None) -> dict[str, Any]:
             "sensitivities": certificate.sensitivities,
         }
     return data
+
+
+def run_data(result: CosimulationResult, units: Mapping[str, str]) -> dict[str, Any]:
+    """Return a run of FMUs: its time, and where each output starts, ends and lies between."""
+    return {
+        "start_s": result.time[0],
+        "end_s": result.time[-1],
+        "steps": len(result.time) - 1,
+        "ended": result.ended or None,
+        "outputs": {
+            name: {
+                "start": result[name][0],
+                "end": result[name][-1],
+                "least": result[name].min(),
+                "greatest": result[name].max(),
+                "unit": units.get(name) or "1",
+            }
+            for name in result.outputs
+        },
+        "notes": result.notes,
+    }
 
 
 def report_data(report: GateReport) -> dict[str, Any]:

@@ -35,6 +35,7 @@ from .scenario_frf import check_measured
 from .scenario_messages import Place, lines_of, what_to_write
 from .scenario_sections import CascadeSection, ControllerSection, PidSection, PlantSection
 from .scenario_shapers import shapers_of
+from .standard_input import STANDARD_INPUT
 from .text_files import read_toml
 from .units import Motion, show, unit_of
 
@@ -148,7 +149,7 @@ def load_scenario(
     Parameters
     ----------
     path : path-like
-        A TOML file, UTF-8, laid out as the files in ``examples/`` explain.
+        A TOML file, UTF-8, laid out as the files in ``examples/`` explain; ``-`` is standard input.
     overrides : mapping of str to object, optional
         Values in place of the file's, by their keys, as TOML would have them:
         ``{"limits.axis.jerk": "3 deg/s^3", 'moves."60 arcsec step".settle_to': "20 mas"}``.
@@ -267,7 +268,7 @@ def _scenario(
     inertia, assumed = _inertia(checked), checked.feedforward.inertia
     return Scenario(
         path=path,
-        title=checked.title or path.stem,
+        title=checked.title or ("scenario" if path == STANDARD_INPUT else path.stem),
         motion=context.motions[0],
         position_unit=checked.position_unit or _position_unit(content, context),
         inertia=inertia,

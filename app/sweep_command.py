@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..analysis.tables import plain_table
+from .common_options import QUIET, SCENARIO
 from .json_output import print_json
 from .printing import print_parts
 
@@ -16,18 +17,24 @@ if TYPE_CHECKING:
 
 
 def sweep_command(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), see examples/.")],
+    scenario: SCENARIO,
     sweep_file: Annotated[
         Path, typer.Argument(help="What varies, how it is sampled, what is kept (TOML).")
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder; a sweep that was stopped goes on.")
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder; a sweep that was stopped goes on, pictures are replaced.",
+        ),
     ],
     workers: Annotated[int | None, typer.Option(help="Processes. Default: all processors.")] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="A Dask cluster, such as tcp://10.0.0.1:8786.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON.")] = False,
+    _: QUIET = False,
 ) -> None:
     """Sweep a scenario: figures at many values of its keys, worst cases, yield, influences.
 

@@ -7,6 +7,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from .standard_input import STANDARD_INPUT, standard_input
+
 _UNREADABLE = "a number of thousands of digits or brackets nested too deeply"
 
 
@@ -16,7 +18,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     Parameters
     ----------
     path : Path
-        A file in UTF-8, with or without a byte order mark.
+        A file in UTF-8, with or without a byte order mark; `-` is standard input.
     what : str
         What the file is, for messages: ``"a scenario file (TOML)"``.
 
@@ -50,7 +52,8 @@ def read_json(path: Path, what: str) -> Any:
 def text_of(path: Path, what: str) -> str:
     """Return the text of a file in UTF-8; ValueError as of `read_toml` if it cannot be read."""
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        content = standard_input(what) if path == STANDARD_INPUT else path.read_bytes()
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8 text"

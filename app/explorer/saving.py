@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..scenario import ScenarioError, scenario_of
+from ..standard_input import STANDARD_INPUT
 from ..text_files import text_of
 from .state import State
 from .toml_edits import edited
@@ -79,6 +80,8 @@ def saved(text: str, opened: State, state: State, path: Path) -> str:
     ValueError
         Where the file that was opened has changed meanwhile, which would be lost.
     """
+    if path == STANDARD_INPUT:
+        raise ValueError("-: standard input cannot be written; save under another name")
     if path == opened.path and path.exists() and text_of(path, _WHAT) != text:
         raise ValueError(
             f"{path}: was changed by others since it was opened; save under another name, or open "

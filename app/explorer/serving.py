@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...analysis.measured import read_frf
+from ..standard_input import file_of
 from ..text_files import text_of
 from .extra import needed
 from .server import Server
@@ -64,8 +65,10 @@ def serve_scenario(
 
 def _maker(path: Path, frf: Path | None, kind: str) -> Callable[[], Session]:
     """Return what opens the scenario, as it is then, for one page."""
-    measured = None if frf is None else read_frf(frf, kind=kind)  # type: ignore[arg-type]
-    name = "" if frf is None else frf.name
+    measured, name = None, ""
+    if frf is not None:
+        with file_of(frf, "a measured response") as file:
+            measured, name = read_frf(file, kind=kind), file.name  # type: ignore[arg-type]
 
     def made() -> Session:
         text = text_of(path, "a scenario file (TOML)")

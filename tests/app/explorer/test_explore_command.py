@@ -1,5 +1,6 @@
 """The command `jounce explore`, and what is said without the extra."""
 
+import json
 import socket
 import sys
 
@@ -63,3 +64,10 @@ def test_it_prints_its_address_and_opens_the_browser(run, tmp_path, monkeypatch)
     assert status == 0
     assert out.startswith("http://127.0.0.1:1/token/")
     assert opened == ["http://127.0.0.1:1/token/"]
+
+
+def test_its_address_as_json_or_nothing(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(serving, "serve_scenario", lambda _, *, started, **__: started("http://x/"))
+    explore_there = ("explore", written(tmp_path), "--no-browser")
+    assert json.loads(run(*explore_there, "--json")[1]) == {"address": "http://x/"}
+    assert run(*explore_there, "--quiet") == (0, "", [])

@@ -1,0 +1,35 @@
+"""What many commands take: a scenario, --set, --json, --quiet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .printing import be_quiet
+
+SCENARIO = Annotated[
+    Path, typer.Argument(help="Scenario file (TOML), see examples/; - is standard input.")
+]
+
+AS_JSON = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, no tables.")]
+
+QUIET = Annotated[
+    bool,
+    typer.Option(
+        "--quiet",
+        "-q",
+        help="Print errors and warnings alone, and JSON where that is asked for.",
+        callback=be_quiet,
+    ),
+]
+
+OVERRIDES = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help='In place of the file\'s, such as limits.axis.jerk="3 deg/s^3"; may be repeated.',
+    ),
+]
