@@ -22,7 +22,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_numbers(tmp_path):
         distributed.LocalCluster(
             n_workers=3 if SLOW else 2,
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=50,
         ) as cluster,
         distributed.Client(cluster) as client,
