@@ -20,11 +20,13 @@ from .scenario_checks import (
     TRACKING_NAME,
     whole,
 )
+from .scenario_forces import take_forces
 from .scenario_keys import choice
 
 _CLOSED: ConfigDict = ConfigDict(extra="forbid")
 _MISSING: Any = None
 ShaperKind = Literal["ZV", "ZVD", "ZVDD", "EI"]
+_TORQUES = ("torque_step", "torque_sine", "torque_file", "torque_spectrum")
 _On = Annotated[Literal["motor", "load"], choice("motor", "load")]
 
 
@@ -134,9 +136,15 @@ class TorqueStepSection:
     """A disturbing torque that comes and stays."""
 
     __pydantic_config__: ClassVar = _CLOSED
-    torque: Annotated[float, kinds.torque()]
+    torque: Annotated[float | None, kinds.torque()] = None
+    force: Annotated[float | None, kinds.torque()] = None
     time: Annotated[float, kinds.TIME] = 0.0
     on: _On = "motor"
+
+    def __post_init__(self) -> None:
+        take_forces(self, "torque")
+        if self.torque is None:
+            raise ValueError('has no torque; write torque = "1 N m", or force = "1 N"')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,7 +178,11 @@ class ActingFileSection:
     unit: Annotated[str | None, TORQUE_UNIT] = None
     time: Annotated[str, NAME] = "0"
     torque: Annotated[str, NAME] = "1"
+    force: Annotated[str | None, NAME] = None
     on: _On = "motor"
+
+    def __post_init__(self) -> None:
+        take_forces(self, "torque")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,6 +194,7 @@ class TorqueFileSection(ActingFileSection):
     after: Annotated[float, kinds.TIME] = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_duration(self.duration, self.after, endless=False)
 
 
@@ -257,13 +270,20 @@ class ActingSection:
 
     __pydantic_config__: ClassVar = _CLOSED
     torque_step: TorqueStepSection | None = None
+    force_step: TorqueStepSection | None = None
     torque_sine: ActingSineSection | None = None
+    force_sine: ActingSineSection | None = None
     torque_file: ActingFileSection | None = None
+    force_file: ActingFileSection | None = None
     wind: WindSection | None = None
     torque_spectrum: TorqueSpectrumSection | None = None
+    force_spectrum: TorqueSpectrumSection | None = None
     encoder_spectrum: EncoderSpectrumSection | None = None
     encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0
     seed: Annotated[int, whole(2**32 - 1, "seed = 1")] = 1
+
+    def __post_init__(self) -> None:
+        take_forces(self, *_TORQUES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -302,9 +322,16 @@ class DisturbanceSection:
 
     __pydantic_config__: ClassVar = _CLOSED
     torque_step: TorqueStepSection | None = None
+    force_step: TorqueStepSection | None = None
     torque_sine: TorqueSineSection | None = None
+    force_sine: TorqueSineSection | None = None
     torque_file: TorqueFileSection | None = None
+    force_file: TorqueFileSection | None = None
     wind: WindSection | None = None
     torque_spectrum: TorqueSpectrumSection | None = None
+    force_spectrum: TorqueSpectrumSection | None = None
     encoder_spectrum: EncoderSpectrumSection | None = None
     encoder_noise: Annotated[float, kinds.moved(sign="not below zero")] = 0.0
+
+    def __post_init__(self) -> None:
+        take_forces(self, *_TORQUES)

@@ -48,6 +48,7 @@ torque_limit = "10 N m"
 force_limit = "10 N"
 current_limit = "5 A"
 torque_constant = "0.5 N m/A"
+force_constant = "0.5 N/A"
 gear_ratio = 10.0
 current_lag = "0.5 ms"
 encoder_step = "0.1 arcsec"
@@ -146,7 +147,7 @@ duration = "2 s"
 round_to = "1 ms"
 minimum_jerk = true
 [moves.disturbances]
-torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
+torque_step = {torque = "1 N m", force = "1 N", time = "0 s", on = "motor"}
 torque_sine = {amplitude = "1 N m", frequency = "2 Hz", on = "motor"}
 encoder_noise = "10 mas"
 seed = 1
@@ -155,6 +156,7 @@ path = "torque.csv"
 unit = "N m"
 time = "0"
 torque = "1"
+force = "1"
 on = "load"
 [moves.disturbances.torque_spectrum]
 frequencies = ["0.1 Hz", "10 Hz"]
@@ -194,7 +196,7 @@ position = "1"
 sample_time = "1 ms"
 limits = "axis"
 [disturbances]
-torque_step = {torque = "1 N m", time = "0 s", on = "motor"}
+torque_step = {torque = "1 N m", force = "1 N", time = "0 s", on = "motor"}
 encoder_noise = "10 mas"
 [disturbances.torque_sine]
 name = "pump"
@@ -209,6 +211,7 @@ path = "torque.csv"
 unit = "N m"
 time = "0"
 torque = "1"
+force = "1"
 duration = "10 s"
 after = "5 s"
 on = "load"
@@ -238,6 +241,10 @@ on = "load"
 load_settling = {max = "2 s"}
 """),
 }
+EXAMPLE_2["plant"]["ripple"]["forces"] = ["0 N"]
+for _acting in (EXAMPLE_2["disturbances"], EXAMPLE_2["moves"][0]["disturbances"]):
+    for _key in ("step", "sine", "file", "spectrum"):
+        _acting[f"force_{_key}"] = _acting[f"torque_{_key}"]
 EXAMPLE_2["tracking"][0]["disturbances"] = EXAMPLE_2["moves"][0]["disturbances"]
 """The same of format 2; tables of several kinds stand under the names of the kinds."""
 

@@ -16,6 +16,11 @@ from .scenario_kinds import figure_kinds
 from .scenario_messages import PlaceError, unknown_key
 from .units import show
 
+_FORCES = {"peak_force": "peak_torque", "rms_force": "rms_torque"}
+"""What figures may be called on a linear axis."""
+
+_KNOWN = FIGURES | {name: FIGURES[figure] for name, figure in _FORCES.items()}
+
 _SIDES = {"min": "least", "max": "most"}
 
 
@@ -32,10 +37,10 @@ def read_requirements(value: object, info: ValidationInfo) -> tuple[Requirement,
 def _requirements(table: dict[str, Any], context: Context) -> Iterator[Requirement]:
     owners = (*context.moves, *context.tracking)
     for key, value in table.items():
-        if key in FIGURES:
+        if key in _KNOWN:
             yield _requirement((key,), value, context)
         elif key not in owners:
-            raise PlaceError((key,), unknown_key(key, value, (*FIGURES, *owners)))
+            raise PlaceError((key,), unknown_key(key, value, (*_KNOWN, *owners)))
         elif not isinstance(value, dict):
             raise PlaceError(
                 (key,), f"{show(value)} is not a table; write {{{_example('duration')}}}"
@@ -47,8 +52,8 @@ def _requirements(table: dict[str, Any], context: Context) -> Iterator[Requireme
 
 def _requirement(place: tuple[str, ...], bounds: object, context: Context) -> Requirement:
     figure = place[-1]
-    if figure not in FIGURES:
-        raise PlaceError(place, unknown_key(figure, bounds, tuple(FIGURES)))
+    if figure not in _KNOWN:
+        raise PlaceError(place, unknown_key(figure, bounds, tuple(_KNOWN)))
     if not isinstance(bounds, dict) or not bounds or not set(bounds) <= set(_SIDES):
         raise PlaceError(place, f"{show(bounds)} is not a bound; write {_example(figure)}")
     sides = {}
@@ -59,29 +64,29 @@ def _requirement(place: tuple[str, ...], bounds: object, context: Context) -> Re
             raise PlaceError((*place, side), str(error)) from None
     if sides.get("least", -inf) > sides.get("most", inf):
         raise PlaceError(place, "its min is above its max; exchange the two")
-    return Requirement(".".join(place), **sides)
+    return Requirement(".".join([*place[:-1], _FORCES.get(figure, figure)]), **sides)
 
 
 def _bound(figure: str, value: object, context: Context) -> float:
-    kinds = figure_kinds(FIGURES[figure])
+    kinds = figure_kinds(_KNOWN[figure])
     if kinds is None:
         return float(number("max").read(value))
     return context.quantity(value, kinds.kinds)
 
 
 def _example(figure: str) -> str:
-    kinds = figure_kinds(FIGURES[figure])
+    kinds = figure_kinds(_KNOWN[figure])
     return f"{figure} = {{max = {'1.6' if kinds is None else json.dumps(kinds.angle[0].example)}}}"
 
 
 def _schema() -> dict[str, Any]:
-    figures = {figure: _bounds_schema(figure) for figure in FIGURES}
+    figures = {figure: _bounds_schema(figure) for figure in _KNOWN}
     of_one = {"type": "object", "properties": figures, "additionalProperties": False}
     return {"type": "object", "properties": figures, "additionalProperties": of_one}
 
 
 def _bounds_schema(figure: str) -> dict[str, Any]:
-    kinds = figure_kinds(FIGURES[figure])
+    kinds = figure_kinds(_KNOWN[figure])
     one = {"type": "number"} if kinds is None else quantity_schema(*kinds.angle, *kinds.length)
     return {
         "type": "object",

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from . import scenario_kinds as kinds
 from .scenario_checks import GAIN, NAME, listed, whole
+from .scenario_forces import take_forces
 from .scenario_frf import OR_PATH, FrfSection
 from .scenario_keys import OrWord, choice, number, numbers, roots, square
 
@@ -115,8 +116,10 @@ class RippleSection:
     amplitude: Annotated[float | None, kinds.torque("positive")] = None
     positions: Annotated[tuple[float, ...] | None, kinds.POSITIONS] = None
     torques: Annotated[tuple[float, ...] | None, kinds.TORQUES] = None
+    forces: Annotated[tuple[float, ...] | None, kinds.TORQUES] = None
 
     def __post_init__(self) -> None:
+        take_forces(self, "torques")
         table = (self.positions is not None) + (self.torques is not None)
         if table + 2 * (self.amplitude is not None) != 2:
             raise ValueError(
@@ -146,6 +149,7 @@ class PlantSection:
     force_limit: Annotated[float | None, kinds.torque("positive")] = None
     current_limit: Annotated[float | None, kinds.CURRENT] = None
     torque_constant: Annotated[float | None, kinds.TORQUE_CONSTANT] = None
+    force_constant: Annotated[float | None, kinds.TORQUE_CONSTANT] = None
     gear_ratio: _Factor = 1.0
     current_lag: Annotated[float, kinds.TIME] = 0.0
     encoder_step: Annotated[float, kinds.moved(sign="not below zero")] = 0.0
@@ -154,6 +158,7 @@ class PlantSection:
     constant_load: Annotated[float, kinds.torque()] = 0.0
 
     def __post_init__(self) -> None:
+        take_forces(self, "torque_constant")
         limits = ("torque_limit", "force_limit", "current_limit")
         given = [name for name in limits if getattr(self, name) is not None]
         if len(given) > 1:

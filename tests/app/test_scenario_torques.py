@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -383,3 +384,57 @@ def test_an_exact_inverse_follows_a_file_within_limits_of_snap(write):
         with pytest.raises(ValueError, match=words) as refused:
             survey_file(write(text + bounds))
         assert str(refused.value).count("case.toml") <= 1
+
+
+LINEAR = """
+format = 2
+[plant]
+mass = "2 kg"
+current_limit = "5 A"
+force_constant = "20 N/A"
+ripple = {period = "1 mm", positions = ["0 mm", "0.5 mm"], forces = ["0.1 N", "-0.1 N"]}
+[controller]
+gains = {kp = "800 N/m", ki = "4000 N/(m s)", kr = "60 N s/m"}
+sample_time = "1 ms"
+[disturbances]
+force_step = {force = "3 N", time = "0.1 s"}
+force_sine = {amplitude = "0.5 N", frequency = "3 Hz", duration = "2 s"}
+force_file = {path = "w.csv", unit = "mN", force = "T"}
+force_spectrum = {frequencies = ["1 Hz", "9 Hz"], densities = ["1 N^2/Hz", "2 N^2/Hz"]}
+[requirements]
+peak_force = {max = "40 N"}
+[[tracking]]
+name = "still"
+rate = "0 mm/s"
+duration = "1 s"
+disturbances.force_step = {force = "1 N"}
+"""
+
+
+def test_a_linear_axis_has_forces_where_another_has_torques(write):
+    path = write(LINEAR)
+    path.with_name("w.csv").write_text("t,T\n0,0\n0.5,2000\n3.0,0\n")
+    forces = load_scenario(path)
+    torques = load_scenario(write(re.sub("force(?=_|s| =)|(?<=peak_)force", "torque", LINEAR)))
+    assert forces.plant == torques.plant
+    assert forces.plant.torque_constant == 20.0
+    assert forces.disturbances == torques.disturbances
+    assert forces.tracking == torques.tracking
+    assert forces.requirements == torques.requirements
+    assert scenario_conditions(forces) == scenario_conditions(torques)
+    assert survey_conditions(forces)["torque_step"].torques.tolist() == [3.0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('{force = "3 N"', '{force = "3 N", torque = "3 N"', "has torque and force, which say the"),
+        ('{force = "3 N", ', "{", 'has no torque; write torque = "1 N m", or force = "1 N"'),
+        ("force_sine", "torque_step = {torque = '1 N'}\nforce_sine", "torque_step and force_step"),
+        ('{force = "3 N"', '{force = "3 N m"', "force_step.force: '3 N m' has the wrong dimension"),
+    ],
+)
+def test_forces_that_are_not_right_are_one_line(write, old, new, words):
+    with pytest.raises(ValueError, match=words) as refused:
+        load_scenario(write(LINEAR.replace(old, new, 1)))
+    assert "\n" not in str(refused.value)
