@@ -48,7 +48,8 @@ def _margins_table(survey: Any) -> Table:
             ("peak of CS", survey.noise_gain, f"{survey.labels.torque_unit}/{_si(survey)}", 1.0),
         ):
             hz = f"{peak.frequency_hz:.4g} Hz" if isfinite(peak.frequency_hz) else ""
-            table.add_row(name, _shown(peak.value / scale, unit), hz)
+            value = _shown(peak.value / scale, unit) if peak.value < inf else "unbounded"
+            table.add_row(name, value, hz)
     table.add_row("stable at gain times", shown_intervals(margins.stabilizing_gains), "")
     delays = shown_intervals(margins.stabilizing_delays_s)
     table.add_row(f"stable with added delay [s{in_samples(margins)}]", delays, "")

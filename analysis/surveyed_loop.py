@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..plant import PID, Feedforward, Inertia, InertiaFeedforward, ServoLoop
+from ..plant import PID, Clamp, Feedforward, Inertia, InertiaFeedforward, ServoLoop
 from ..shaping.pieces import FloatArray
 from .margins.shared_margins import AnyMargins
 
@@ -66,16 +66,17 @@ def linear_part(loop: ServoLoop) -> ServoLoop:
     """Return the loop without what `left_out` names, constant load and feedforward."""
     bare: dict[str, Any] = {"friction": None, "ripple": None, "torque_limit": inf}
     axis = replace(loop.axis, **bare, encoder_step=0.0, constant_load=0.0)
-    return ServoLoop(axis, loop.controller)
+    return ServoLoop(axis, replace(loop.controller_noun, anti_windup=None))
 
 
 def left_out(loop: ServoLoop, torque_name: str) -> str:
-    """Return what the axis has and its linear part does not, in words; empty for nothing."""
+    """Return what a loop has and its linear part does not, in words; empty for nothing."""
     axis = loop.axis
     has = {
         "friction": axis.friction is not None,
         "ripple over position": axis.ripple is not None,
         f"{torque_name} limit": axis.torque_limit < inf,
+        "clamp of the integral": isinstance(loop.controller_noun.anti_windup, Clamp),
         "resolution": axis.encoder_step > 0.0 and loop.is_digital,
     }
     *others, last = [name for name, there in has.items() if there] or [""]

@@ -256,12 +256,7 @@ def _on_a_grid(
         peak_error=float(np.abs(full.error).max()),
         peak_torque=float(np.abs(full.torque).max()),
         overshoot=max(float(beyond.max()), 0.0),
-        load_settling_time_s=_load_settling(full, move),
+        load_settling_time_s=full.settling_time(move.distance, move.settle_to, of="load"),
         peak_load_error=float(np.abs(full.load_error).max()),
         left_over=float(np.abs(full.load_error[ended]).max(initial=0.0)),
     )
-
-
-def _load_settling(full: LoopResponse, move: Move) -> float:
-    of_load = LoopResponse(full.time, full.inputs, full.load[None], full.states)
-    return of_load.settling_time(move.distance, move.settle_to)

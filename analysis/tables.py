@@ -38,7 +38,13 @@ def as_text(parts: Iterable[object]) -> str:
 
 def plain_table(title: str, *columns: str) -> Table:
     """Return an empty table; the columns behind the first stand to the right."""
-    table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table = Table(
+        title=Text(title),
+        title_justify="left",
+        title_style="bold",
+        box=SIMPLE_HEAD,
+        min_width=cell_len(title),  # lest the title break above a narrow table
+    )
     for i, column in enumerate(columns):
         # Text, lest rich take a unit in brackets for its markup; folded, lest it cut digits off
         justify: Literal["left", "right"] = "left" if i == 0 else "right"

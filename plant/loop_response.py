@@ -157,9 +157,10 @@ class LoopResponse(Told, Frozen):
     def settling_time(
         self, target: float | None, tolerance: float, *, of: Of | None = None
     ) -> float:
-        """Return the time, from the start, after which |y − target| stays within `tolerance`.
+        """Return the time, from the start, after which |position − target| is within `tolerance`.
 
-        Infinite where the response ends outside it.
+        Infinite where the response ends outside it. Without `of` it is the measured position; the
+        load of a flexible axis may settle much later, and is what `of="load"` is for.
 
         Parameters
         ----------
@@ -168,15 +169,19 @@ class LoopResponse(Told, Frozen):
         tolerance : float
             Positive.
         of : "position" or "load", optional
-            Whose position, in exact continuous time. Default: y, from the samples of the grid:
-            between them the crossing is taken on the straight line, so its error falls with dt².
+            Whose position: the measured one, or the load's, in exact continuous time. Default:
+            the measured one, from the samples of the grid: between them the crossing is taken on
+            the straight line, so its error falls with dt². So is either of a response that is
+            known on its grid alone.
         """
         tolerance = positive("tolerance", tolerance)
         goal = None if target is None else finite("target", target)
         if of is not None:
             one_of("of", of, ("position", "load"))
-            return self._pieces(of, goal).last_outside(tolerance)
-        excess = np.abs(self.position - (self.command if goal is None else goal)) - tolerance
+            if self.scene is not None:
+                return self._pieces(of, goal).last_outside(tolerance)
+        position = self.load if of == "load" else self.position
+        excess = np.abs(position - (self.command if goal is None else goal)) - tolerance
         outside = np.flatnonzero(excess > 0.0)
         if not outside.size:
             return 0.0

@@ -43,6 +43,7 @@ from jounce.analysis.limit_cycles import (
 from jounce.plant import (
     PID,
     Axis,
+    Clamp,
     Controller,
     Friction,
     Inertia,
@@ -394,14 +395,16 @@ def test_what_the_linear_part_leaves_out_is_named_and_changes_nothing_in_it(name
     assert found.margins.phase_margin_deg == bare.margins.phase_margin_deg
 
 
-def test_a_constant_load_leaves_the_step_of_the_linear_part_alone():
-    proportional = Controller(PID(1263.0, 0.0, 65.0), sample_time=1e-3)
-    found = [
-        survey(ServoLoop(Axis(2.0, constant_load=load), proportional), []).step
-        for load in (0.0, 40.0)
-    ]
-    assert found[0].overshoot_percent == found[1].overshoot_percent
-    assert found[0].settling_time_s == found[1].settling_time_s
+@pytest.mark.parametrize("integral", [0.0, 9500.0])
+def test_constant_load_and_clamp_leave_the_step_of_the_linear_part_alone(integral):
+    def step(load, clamp):
+        law = PID(1263.0, integral, 65.0)
+        controller = Controller(law, sample_time=1e-3, anti_windup=clamp)
+        return survey(ServoLoop(Axis(2.0, constant_load=load), controller), []).step
+
+    bare, loaded = step(0.0, None), step(40.0, Clamp(50.0))
+    assert bare.overshoot_percent == loaded.overshoot_percent
+    assert bare.settling_time_s == loaded.settling_time_s
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from jounce.plant import (
+    FlexibleInertia,
+    InertiaFeedforward,
     LoopResponse,
+    ServoLoop,
+    design_pid,
 )
+from jounce.shaping import JerkFilter, Limits, min_time_move
 
 
 def curve(position, t):
@@ -45,3 +50,18 @@ def test_a_settling_tolerance_that_is_not_positive_is_refused(tolerance):
     t = np.linspace(0.0, 1.0, 11)
     with pytest.raises(ValueError, match=f"tolerance = {tolerance!r}: expected a positive"):
         curve(t, t).settling_time(0.0, tolerance)
+
+
+def test_the_load_behind_a_jerk_filter_settles_later_than_the_motor():
+    axis = FlexibleInertia(1.0, frequency_hz=6.0, damping=0.01, load_fraction=0.3)
+    gains = design_pid(1.0, crossover_hz=1.0, phase_margin_deg=45.0, lower_gain_margin_db=12.0)
+    move = min_time_move(1.0, Limits(1.0, 4.0, 60.0))
+    response = ServoLoop(axis, gains, InertiaFeedforward(1.0)).respond(
+        move, 1e-3, duration=10.0, jerk_filter=JerkFilter(30.0, order=3)
+    )
+    usual, measured, load = (
+        response.settling_time(1.0, 1e-3, of=of) for of in (None, "position", "load")
+    )
+    assert usual == measured < load - 0.5
+    late = response.time[np.abs(response.load - 1.0) > 1e-3][-1]
+    assert load == pytest.approx(late, abs=1.1e-3)
