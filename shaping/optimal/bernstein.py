@@ -9,7 +9,8 @@ import numpy as np
 
 from ..pieces import FloatArray, RealArray
 
-_HALVINGS = 24
+_PARTS = 8
+_LEVELS = 8
 _UNDECIDED = 1e-10  # of the whole integral: what is left uncertain about the sign of p
 
 
@@ -29,8 +30,8 @@ def elevation(low: int, high: int) -> FloatArray:
 def signed_areas(pieces: RealArray) -> tuple[RealArray, RealArray]:
     """Return upper bounds on ∫ max(p, 0) and ∫ max(−p, 0) over each cell, (N,) each.
 
-    A cell is halved until its coefficients have one sign or what remains in doubt is nothing
-    beside the whole.
+    A cell is cut into eighths until its coefficients have one sign or what remains in doubt is
+    nothing beside the whole.
 
     Parameters
     ----------
@@ -43,28 +44,31 @@ def signed_areas(pieces: RealArray) -> tuple[RealArray, RealArray]:
     positive: RealArray = np.zeros(count, pieces.dtype)
     negative: RealArray = np.zeros(count, pieces.dtype)
     whole = np.abs(pieces.sum(axis=0)).sum()
-    for halving in range(_HALVINGS + 1):
+    for level in range(_LEVELS + 1):
         up, down = np.maximum(pieces, 0.0).sum(axis=0), np.maximum(-pieces, 0.0).sum(axis=0)
         mixed = np.minimum(up, down) > 0.0
-        if np.minimum(up, down).sum() <= _UNDECIDED * whole or halving == _HALVINGS:
+        if np.minimum(up, down).sum() <= _UNDECIDED * whole or level == _LEVELS:
             mixed[:] = False
         np.add.at(positive, owner[~mixed], up[~mixed])
         np.add.at(negative, owner[~mixed], down[~mixed])
         if not mixed.any():
             break
-        pieces, owner = halved(pieces[:, mixed]), np.repeat(owner[mixed], 2)
+        pieces, owner = _cut(pieces[:, mixed]), np.tile(owner[mixed], _PARTS)
     return positive, negative
 
 
-def halved(pieces: RealArray) -> RealArray:
-    """Return the forms of both halves of each cell, next to each other, times their length."""
+def _cut(pieces: RealArray) -> RealArray:
+    """Return the forms of the first eighths of all cells, then of the next, times their length."""
     d = len(pieces) - 1
-    both = (_halves(d) @ pieces).reshape(2, d + 1, -1)
-    return both.transpose(1, 2, 0).reshape(d + 1, -1)
+    parts = (_eighths(d) @ pieces).reshape(_PARTS, d + 1, -1)
+    return parts.transpose(1, 0, 2).reshape(d + 1, -1)
 
 
 @lru_cache(maxsize=64)
-def _halves(d: int) -> RealArray:
-    """Return the matrix to half the coefficients on both halves, left first: exact numbers."""
+def _eighths(d: int) -> RealArray:
+    """Return the matrix to an eighth of the coefficients on all eighths: exact numbers."""
     left = np.array([[comb(i, j) / 2.0 ** (i + 1) for j in range(d + 1)] for i in range(d + 1)])
-    return np.concatenate([left, left[::-1, ::-1]]).astype(np.longdouble)
+    halves = (left, left[::-1, ::-1])
+    return np.vstack([c @ b @ a for a in halves for b in halves for c in halves]).astype(
+        np.longdouble
+    )

@@ -23,18 +23,22 @@ def taylor_chain(problem: WholeProblem) -> list[TaylorLink]:
     ]
     chain: list[TaylorLink] = []
     time = 0.0
-    while True:
-        reached, best = max(
-            ((_reached(polynomial, time), -i) for i, (polynomial, *_) in enumerate(candidates)),
-            default=(time, 0),
-        )
-        if not reached > time * (1.0 + 1e-9):
-            return chain
-        _, k, m, sign = candidates[-best]
-        chain.append(TaylorLink(time, reached, k, m, sign))
+    while time < inf:
+        reached, best = time, None
+        for candidate in candidates:
+            polynomial = candidate[0]
+            if reached > time and not value(polynomial, reached) > 0.0:
+                continue  # it leads less far
+            at = _reached(polynomial, time)
+            if at > reached:
+                reached, best = at, candidate
+            if reached == inf:
+                break
+        if best is None or not reached > time * (1.0 + 1e-9):
+            break
+        chain.append(TaylorLink(time, reached, *best[1:]))
         time = reached
-        if time == inf:
-            return chain
+    return chain
 
 
 def _reached(polynomial: FloatArray, time: float) -> float:

@@ -121,12 +121,13 @@ def _root(coefficients: FloatArray) -> float | None:
     signs = np.sign(coefficients[coefficients != 0.0])
     if np.count_nonzero(np.diff(signs)) != 1:
         return None
-    low, high, row = 0.0, 1.0, coefficients
+    low, high = 0.0, 1.0
     rising = signs[-1] > 0.0
-    d = len(row) - 1
+    d = len(coefficients) - 1
+    terms = [(comb(d, j) * value, j) for j, value in enumerate(coefficients.tolist())]
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        at = sum(comb(d, j) * middle**j * (1.0 - middle) ** (d - j) * row[j] for j in range(d + 1))
+        at = sum(term * middle**j * (1.0 - middle) ** (d - j) for term, j in terms)
         low, high = (low, middle) if (at > 0.0) == rising else (middle, high)
     return middle
 

@@ -94,6 +94,7 @@ class Search:
         self.dead_end: DeadEnd | None = None
         self.rounds = 0
         self.effort = Effort()
+        self._sizes = np.ones(problem.order + 1)
 
     @property
     def gap(self) -> float:
@@ -124,7 +125,7 @@ class Search:
 
     def _round(self, rtol: float) -> None:
         problem, n = self.problem, self.problem.order
-        before = self.lower
+        before, self._sizes = self.lower, self._sizes_of_guide()
         parts = parts_of(n, len(self.nodes) - 1)
         maps = node_states(self.nodes, n, parts)
         relaxed = self._exclude(maps, parts, rtol)
@@ -134,10 +135,10 @@ class Search:
         margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
         if problem.may_hold and self.rounds == 0:
             margin = 0.0  # a bound that is held from start to end leaves no room
-        rows = hull_rows(problem, coarse, self.nodes, self._sizes(), margin)
+        rows = hull_rows(problem, coarse, self.nodes, self._sizes, margin)
         near = self._near(rows, self.nodes)
         program = Elastic(
-            problem, coarse[:, -1], rows, self._sizes(), near, shrink=margin, effort=self.effort
+            problem, coarse[:, -1], rows, self._sizes, near, shrink=margin, effort=self.effort
         )
         found, motion = self._approach(program)
         reached = found is not None and found.missing <= _NEARLY
@@ -147,7 +148,7 @@ class Search:
             idle = self.lower <= before * (1.0 + 0.02 * rtol)
             self.nodes = self._refined(relaxed, rows, found, motion, idle)
 
-    def _sizes(self) -> FloatArray:
+    def _sizes_of_guide(self) -> FloatArray:
         if self.guide is None:
             return first_sizes(self.problem, max(self.lower, 1e-9))
         return self.guide.sizes(self.problem)
@@ -159,7 +160,7 @@ class Search:
         problem, time = self.problem, self.guide.time
         start = problem.start * time ** np.arange(problem.order)
         values = rows.matrix @ np.concatenate([self.guide.on(edges), start])
-        return are_near(problem, values, rows.derivative, time, self._sizes(), _NEAR)
+        return are_near(problem, values, rows.derivative, time, self._sizes, _NEAR)
 
     def _exclude(self, maps: FloatArray, parts: int, rtol: float) -> Relaxed | None:
         """March from the last duration excluded; return what the last program tells.
@@ -191,7 +192,7 @@ class Search:
         problem, edges = self.problem, fine_edges(self.nodes, parts)
         means = MeanRows.make(problem, maps, self.nodes, parts)
         near = self._near(means.rows, edges)
-        program = Elastic(problem, maps[:, -1], means.rows, self._sizes(), near, effort=self.effort)
+        program = Elastic(problem, maps[:, -1], means.rows, self._sizes, near, effort=self.effort)
         return RelaxedProgram(program, means, edges)
 
     def _told_before(self, program: RelaxedProgram) -> Relaxed | None:
