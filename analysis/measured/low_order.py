@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import pi
-from typing import Any
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...plant import Axis, FlexibleMode
-from ...shaping.checks import finite, whole
+from ...shaping.checks import finite, one_of, whole
 from ...shaping.frozen import Frozen
 from ...shaping.told import Told
+from .axis_model import PER_MODE, RIGID, AxisModel, Free
 from .measured_response import MeasuredResponse
-from .rational_fits import Complex, Real
-from .vector_fit import mode_poles, pair_basis
+from .rational_fits import Real
 
-_ALIASES = np.arange(-4, 5)
 _MOST_MODES = 6
-_DELAYS = 5  # first guesses, from none to two samples
+_PATIENCE = 2  # further modes that are tried in vain
+_SETTLED, _MOST_ROUNDS = 1e-6, 60  # of the sum of squares
+_STARTS, _POOR = 4, 3.0  # first guesses that are refined, until a misfit is below
+_BEYOND = 3.0  # times the last line: a spring's resonance that tells no inertia
+_FAR = 0.5  # of |G|: half the lines farther off, and it is no such axis
+_SURE = 3.0  # standard deviations of a friction or spring that is told from none
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,7 +35,8 @@ class FittedAxis(Told, Frozen):
         Simulates, surveys and leaves as an FMU like any other.
     delay, delay_sigma : float
         Computing delay in seconds besides the hold; give it to the Controller.
-    inertia_sigma, viscous_sigma : float
+    inertia_sigma, viscous_sigma, spring_sigma : float
+        Of friction and spring also where they are not told from none.
     frequencies_hz_sigma, dampings_sigma, gains_sigma : tuple of float
         Of the modes in ascending order; a gain is motor shape times load shape.
     misfit : float
@@ -43,6 +48,7 @@ class FittedAxis(Told, Frozen):
     delay_sigma: float
     inertia_sigma: float
     viscous_sigma: float
+    spring_sigma: float
     frequencies_hz_sigma: tuple[float, ...]
     dampings_sigma: tuple[float, ...]
     gains_sigma: tuple[float, ...]
@@ -52,6 +58,8 @@ class FittedAxis(Told, Frozen):
         lines = [f"J {self.axis.J:.6g} ± {self.inertia_sigma:.2g}"]
         if self.axis.viscous:
             lines.append(f"viscous {self.axis.viscous:.6g} ± {self.viscous_sigma:.2g}")
+        if self.axis.spring:
+            lines.append(f"spring {self.axis.spring:.6g} ± {self.spring_sigma:.2g}")
         rows = zip(self.axis.modes, self.frequencies_hz_sigma, self.dampings_sigma, strict=True)
         lines += [
             f"mode {mode.frequency_hz:.6g} ± {f:.2g} Hz, damping {mode.damping:.4g} ± {z:.2g}"
@@ -67,204 +75,229 @@ class FittedAxis(Told, Frozen):
 
 
 def fit_axis(
-    measured: MeasuredResponse, *, modes: int | None = None, delay: float | None = None
+    measured: MeasuredResponse,
+    *,
+    modes: int | None = None,
+    delay: float | None = None,
+    sensor: Literal["motor", "load"] | None = None,
 ) -> FittedAxis:
     """Return an axis of low order that follows a measured plant.
 
-        G(s) = 1/(J·s² + v·s) + Σ g_k/(J·(s² + 2ζ_k·ω_k·s + ω_k²)),   held, delayed and sampled
+        G(s) = F_lm/(1 + (v·s + k)·F_mm),   F = (1/s² + Σ g/(s² + 2ζ_k·ω_k·s + ω_k²))/J,
 
-    The poles of the modes by weighted vector fitting, then all numbers by weighted least squares
-    on the sampled model; their error bars from its Jacobian, times the root of a misfit above 1.
-    With gains above zero alone the sensor is taken to be at the motor, where the friction acts.
+    held, delayed and sampled; g is a_k·b_k from motor to load, a_k² at the motor, where friction v
+    and spring k act. The poles of the modes by weighted vector fitting, then all numbers by
+    weighted least squares; their error bars from its Jacobian, times the root of a misfit above 1.
+
+    Of a sensor at the load a_k² can hardly be told apart from the damping: it is taken to be
+    |g| to within a factor of e, which is in the error bars.
 
     Parameters
     ----------
     measured : MeasuredResponse
-        A plant with one or two integrators, declared or by its slope.
+        A plant. With `integrators` declared 2 it moves freely, with 1 against friction, with 0
+        against a spring, too; else friction and spring are kept where they are 3σ from none.
     modes : int, optional
         How many, 0 to 6. Default: as many as Schwarz's criterion says.
     delay : float, optional
         Computing delay where it is known; it can hardly be told from modes above the lines.
         Default: fitted, of a response without dt too.
+    sensor : "motor" or "load", optional
+        Where the position was measured. Default: at the motor if all gains are above zero.
 
     Raises
     ------
     ValueError
-        For a response that is not a plant's, or a plant without integrator.
+        For a response that is not a plant's, has more than two integrators, or does not show an
+        inertia.
     """
     if measured.kind != "plant":
         raise ValueError(
             f"kind = {measured.kind!r}: expected a plant; plant_response(frf, controller) makes "
             "one of the others"
         )
-    power = measured.fits.power if measured.integrators is None else measured.integrators
-    if power not in (1, 2):
+    integrators = measured.integrators
+    if max(measured.fits.power if integrators is None else integrators, 0) > 2:
         raise ValueError(
-            f"a plant with {power} integrators: expected 1 (viscous friction) or 2 (free inertia); "
-            "declare integrators=…, measure lower frequencies"
+            f"a plant with {measured.fits.power if integrators is None else integrators} "
+            "integrators: expected 2 (free inertia), 1 (viscous friction) or 0 (spring); declare "
+            "integrators=…, or measure the plant without its controller"
         )
-    if delay is not None:
-        delay = finite("delay", delay)
+    if sensor is not None:
+        one_of("sensor", sensor, ("motor", "load"))
+    asked = _Asked(measured, None if delay is None else finite("delay", delay), sensor)
+    acting = Free(integrators is None or integrators < 2, not integrators)
     if modes is not None:
-        return _fitted(measured, power, whole("modes", modes, 0, _MOST_MODES), delay)[0]
-    best: tuple[float, FittedAxis] | None = None
-    for count in range(_MOST_MODES + 1):
-        found, cost = _fitted(measured, power, count, delay)
-        if best is not None and cost >= best[0]:
-            break
-        best = cost, found
-    assert best is not None
-    return best[1]
-
-
-@dataclass(frozen=True)
-class _Problem:
-    measured: MeasuredResponse
-    power: int
-    count: int
-    delay: float | None
-
-    @property
-    def sigma(self) -> Real:
-        return self.measured.fits.sigma
-
-    def model(self, x: Real) -> Complex:
-        """Return the sampled response for parameters: ln 1/J, ln v/J, τ, then ln ω, ln ζ, g."""
-        lines, dt = self.measured.frequency_hz, self.measured.dt
-        s: Complex = np.asarray(2j * pi * lines)
-        if dt is None:
-            return np.asarray(self._continuous(s, x) * np.exp(-s * x[2]))
-        total = np.zeros(len(lines), dtype=complex)
-        for k in _ALIASES:
-            shifted: Complex = np.asarray(s + 2j * pi * k / dt)
-            hold = (1.0 - np.exp(-s * dt)) / (shifted * dt)
-            total += self._continuous(shifted, x) * hold * np.exp(-shifted * x[2])
-        return total
-
-    def _continuous(self, s: Complex, x: Real) -> Complex:
-        modes = self.modes(x)
-        swing = np.zeros(len(s), dtype=complex)
-        for omega, zeta, gain in modes:
-            swing += gain / (s * s + 2.0 * zeta * omega * s + omega**2)
-        if self.power == 2:
-            total = 1.0 / s**2 + swing
-        elif all(gain > 0.0 for _, _, gain in modes):  # where friction acts is what is measured
-            free = 1.0 / s**2 + swing
-            total = free / (1.0 + np.exp(x[1]) * s * free)
-        else:
-            total = 1.0 / (s * (s + np.exp(x[1]))) + swing
-        return np.asarray(np.exp(x[0]) * total)
-
-    def modes(self, x: Real) -> list[tuple[float, float, float]]:
-        """Return (ω, ζ, g) of each mode."""
-        rows = x[3:].reshape(-1, 3)
-        return [(float(np.exp(w)), float(np.exp(z)), float(g)) for w, z, g in rows]
-
-    def residual(self, x: Real) -> Real:
-        """Return what is left in standard deviations, real and imaginary parts."""
-        off = (self.model(x) - self.measured.response) / self.sigma * np.sqrt(2.0)
-        return np.concatenate([off.real, off.imag])
-
-    def start(self, delay: float) -> Real:
-        """Return parameters by vector fitting, with a delay taken out."""
-        lines, dt = self.measured.frequency_hz, self.measured.dt
-        s: Complex = np.asarray(2j * pi * lines)
-        behind = np.exp(-s * delay)
-        if dt is not None:
-            behind = behind * (1.0 - np.exp(-s * dt)) / (s * dt)
-        response = self.measured.response / behind
-        weight = abs(behind) / self.sigma
-        rigid = np.stack([1.0 / s**2, np.ones_like(s)], axis=1)
-        if self.power == 1:
-            rigid = np.concatenate([rigid, (1.0 / s)[:, None]], axis=1)
-        poles = (
-            mode_poles(s, response, weight, rigid, self.count)
-            if self.count
-            else np.empty(0, dtype=complex)
+        found = _solved(asked, whole("modes", modes, 0, _MOST_MODES), acting)
+    else:
+        found = _most_likely(asked, acting)
+    if integrators is None:
+        found = _only_seen(asked, found)
+    off = found.model.response(found.x) / measured.response - 1.0
+    swings = np.sqrt(found.x[2]) / (2.0 * pi) > _BEYOND * measured.frequency_hz[-1]
+    if swings or not found.sigma_of(0) < 0.5 or np.median(abs(off)) > _FAR:
+        raise ValueError(
+            "no inertia is seen in the response: expected a plant of one that falls by 40 dB a "
+            "decade above the resonance of a spring; measure higher frequencies, or give modes"
         )
-        low = slice(0, max(6, len(lines) // 40))
-        corner = 2.0 * pi * lines[0]
-        size = float(np.median(abs(response[low] * s[low] ** 2)))
-        x = [np.log(size), np.log(corner), delay]
-        basis = np.concatenate([rigid, pair_basis(s, poles)], axis=1) * weight[:, None]
-        right = response * weight
-        stacked = np.concatenate([basis.real, basis.imag])
-        scale = np.maximum(np.linalg.norm(stacked, axis=0), 1e-300)
-        solved = np.linalg.lstsq(stacked / scale, np.concatenate([right.real, right.imag]))[0]
-        found = solved / scale
-        if self.power == 2 and found[0] > 0.0:
-            x[0] = np.log(found[0])
-        parts = found[rigid.shape[1] :].reshape(-1, 2)
-        for pole, (_, odd) in zip(poles, parts, strict=True):
-            gain = -2.0 * odd * pole.imag / np.exp(x[0])
-            x += [np.log(abs(pole)), np.log(max(-pole.real / abs(pole), 1e-4)), gain]
-        return np.array(x)
+    return _as_fitted(found)
 
 
-def _fitted(
-    measured: MeasuredResponse, power: int, count: int, delay: float | None
-) -> tuple[FittedAxis, float]:
-    """Return the model of so many modes and Schwarz's criterion of it."""
+class _Asked(NamedTuple):
+    measured: MeasuredResponse
+    delay: float | None
+    sensor: str | None
+
+
+class _Fit(NamedTuple):
+    """Numbers of a model with their covariance, misfit and Schwarz's criterion."""
+
+    model: AxisModel
+    x: Real
+    covariance: Real
+    misfit: float
+    cost: float
+    friction_sigma: float = 0.0
+    spring_sigma: float = 0.0
+
+    def sigma_of(self, place: int) -> float:
+        """Return the standard deviation of a number."""
+        return float(np.sqrt(max(self.covariance[place, place], 0.0)))
+
+    def per_inertia_sigma(self, place: int) -> float:
+        """Return that of a number times J, where x holds it over J."""
+        by = np.array([-self.x[place], 1.0])
+        some = self.covariance[np.ix_([0, place], [0, place])]
+        return float(np.exp(-self.x[0]) * np.sqrt(max(by @ some @ by, 0.0)))
+
+
+def _most_likely(asked: _Asked, acting: Free) -> _Fit:
+    """Return the fit of the number of modes that Schwarz's criterion prefers."""
+    best, vain = _solved(asked, 0, acting), 0
+    for count in range(1, _MOST_MODES + 1):
+        found = _solved(asked, count, acting)
+        if found.cost < best.cost:
+            best, vain = found, 0
+        else:
+            vain += 1
+        if vain == _PATIENCE:
+            break
+    return best
+
+
+def _only_seen(asked: _Asked, both: _Fit) -> _Fit:
+    """Return a fit without the friction and the spring that are not told from none."""
+    spring = both.per_inertia_sigma(2)
+    if both.x[2] * np.exp(-both.x[0]) > _SURE * spring:
+        return both
+    damped = _solved(asked, both.model.count, Free(friction=True, spring=False), both)
+    friction = damped.per_inertia_sigma(1)
+    if damped.x[1] * np.exp(-damped.x[0]) > _SURE * friction:
+        return damped._replace(spring_sigma=spring)
+    free = _solved(asked, both.model.count, Free(friction=False, spring=False), damped)
+    return free._replace(friction_sigma=friction, spring_sigma=spring)
+
+
+def _solved(asked: _Asked, count: int, free: Free, like: _Fit | None = None) -> _Fit:
+    """Return the fit of so many modes with what acts on the motor, begun at another fit or anew."""
+    if like is not None:
+        start = like.x.copy()
+        start[1:3] *= free
+        return _refined(replace(like.model, free=free), start)
+    model, starts = _begun(asked, count, free)
+    best = _refined(model, starts[0])
+    for start in starts[1:_STARTS]:
+        if best.misfit < _POOR:
+            break
+        best = min(best, _refined(model, start), key=lambda fit: fit.cost)
+    return best
+
+
+def _refined(model: AxisModel, start: Real) -> _Fit:
+    """Return the fit by least squares from first guesses on."""
     from scipy.optimize import least_squares
 
-    problem = _Problem(measured, power, count, delay)
-    step = measured.dt or 0.05 / measured.frequency_hz[-1]
-    guesses = [delay] if delay is not None else (np.linspace(0.0, 2.0, _DELAYS) * step).tolist()
-    starts = [problem.start(guess) for guess in guesses]
-    start = min(starts, key=lambda x: float((problem.residual(x) ** 2).sum()))
-    free = np.ones(len(start), dtype=bool)
-    free[1], free[2] = power == 1, delay is None
-    scale = np.ones(len(start))
-    scale[2] = step
-    scale[5::3] = np.maximum(abs(start[5::3]), 1e-3)
+    some = model.fitted
+    low, high = (np.full(len(start), edge) for edge in (-np.inf, np.inf))
+    low[1:3], low[RIGID + 1 :: PER_MODE], high[RIGID + 1 :: PER_MODE] = 0.0, 0.0, 0.99
+    low[RIGID + 2 :: PER_MODE] = 0.0 if model.at_motor else -np.inf
+    low[RIGID::PER_MODE], high[RIGID::PER_MODE] = model.edges
 
     def whole_of(part: Real) -> Real:
         x = start.copy()
-        x[free] = part * scale[free]
+        x[some] = part
         return x
 
     found = least_squares(
-        lambda part: problem.residual(whole_of(part)), start[free] / scale[free], method="lm"
+        lambda part: model.residual(whole_of(part)),
+        np.clip(start, low, high)[some],
+        bounds=(low[some], high[some]),
+        x_scale="jac",
+        ftol=_SETTLED,
+        max_nfev=_MOST_ROUNDS,
     )
-    x = whole_of(found.x)
-    freedom = max(len(found.fun) - free.sum(), 1)
-    misfit = float((found.fun**2).sum() / freedom)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac) * max(misfit, 1.0)
-    deviations = np.zeros(len(x))
-    deviations[free] = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale[free]
-    cost = float((found.fun**2).sum() + free.sum() * np.log(len(found.fun)))
-    return _as_axis(problem, x, deviations, misfit), cost
+    x, rows = whole_of(found.x), len(found.fun)
+    freedom = rows - some.sum() - model.count * (not model.shaped)
+    misfit = float((found.fun**2).sum() / max(freedom, 1))
+    covariance = np.zeros((len(x), len(x)))
+    covariance[np.ix_(some, some)] = _inverse(found.jac) * max(misfit, 1.0)
+    cost = float((found.fun**2).sum() + some.sum() * np.log(rows))
+    return _Fit(model, x, covariance, misfit, cost)
 
 
-def _as_axis(problem: _Problem, x: Real, deviations: Real, misfit: float) -> FittedAxis:
-    inertia = float(np.exp(-x[0]))
-    viscous = float(np.exp(x[1])) * inertia if problem.power == 1 else 0.0
-    modes = problem.modes(x)
-    order = np.argsort([omega for omega, _, _ in modes]).astype(int).tolist()
-    rows = deviations[3:].reshape(-1, 3)
-    alike = all(gain > 0.0 for _, _, gain in modes)
+def _begun(asked: _Asked, count: int, free: Free) -> tuple[AxisModel, list[Real]]:
+    """Return a model with its sensor, and first guesses of its numbers."""
+    measured, delay, sensor = asked
+    model = AxisModel(measured, count, free, delay, at_motor=sensor == "motor")
+    starts = model.starts()
+    if sensor is None and (starts[0][RIGID + 2 :: PER_MODE] > 0.0).all():
+        model = replace(model, at_motor=True)
+        starts = model.starts() if any(free) else starts
+    return model, starts
+
+
+def _inverse(jacobian: Real) -> Real:
+    """Return (JᵀJ)⁻¹, of columns of any size."""
+    scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-100)
+    inner = np.linalg.pinv((jacobian / scale).T @ (jacobian / scale), rcond=1e-14)
+    return np.asarray(inner / np.outer(scale, scale))
+
+
+def _as_fitted(found: _Fit) -> FittedAxis:
+    model, x, inertia = found.model, found.x, float(np.exp(-found.x[0]))
+    shapes = x[RIGID:].reshape(-1, PER_MODE)
+    order = np.argsort(shapes[:, 0]).tolist()
 
     def mode(k: int) -> FlexibleMode:
-        omega, zeta, gain = modes[k]
-        shapes: Any = (np.sqrt(gain), np.sqrt(gain)) if alike else (1.0, gain)
+        log_omega, zeta, gain, log_motor = shapes[k].tolist()
+        own = np.exp(0.5 * log_motor) if model.shaped else max(np.sqrt(abs(gain)), 1e-12)
         return FlexibleMode(
-            omega / (2.0 * pi),
-            min(zeta, 0.99),
-            motor_shape=float(shapes[0]),
-            load_shape=float(shapes[1]),
+            float(np.exp(log_omega)) / (2.0 * pi),
+            zeta,
+            motor_shape=float(own),
+            load_shape=float(gain / own),
         )
 
-    axis = Axis(inertia, viscous=viscous, modes=[mode(k) for k in order])
-    if not alike:
-        axis = replace(axis, sensor="load")
+    def bars(of_mode: int) -> list[float]:
+        return [found.sigma_of(RIGID + PER_MODE * k + of_mode) for k in order]
+
+    modes = [mode(k) for k in order]
+    free = model.free
     return FittedAxis(
-        axis,
-        float(x[2]),
-        float(deviations[2]),
-        inertia * float(deviations[0]),
-        viscous * float(np.hypot(deviations[1], deviations[0])),
-        tuple(float(modes[k][0] * rows[k, 0] / (2.0 * pi)) for k in order),
-        tuple(float(modes[k][1] * rows[k, 1]) for k in order),
-        tuple(float(rows[k, 2]) for k in order),
-        misfit,
+        Axis(
+            inertia,
+            viscous=float(x[1]) * inertia if free.friction else 0.0,
+            spring=float(x[2]) * inertia if free.spring else 0.0,
+            modes=modes,
+            sensor="motor" if model.at_motor else "load",
+        ),
+        float(x[3]),
+        found.sigma_of(3),
+        inertia * found.sigma_of(0),
+        found.per_inertia_sigma(1) if free.friction else found.friction_sigma,
+        found.per_inertia_sigma(2) if free.spring else found.spring_sigma,
+        tuple(m.frequency_hz * bar for m, bar in zip(modes, bars(0), strict=True)),
+        tuple(bars(1)),
+        tuple(bars(2)),
+        found.misfit,
     )
