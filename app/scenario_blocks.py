@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf, tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,9 +22,10 @@ from ..fmu import (
 from ..fmu.exporting.inverse_block import inverse_trajectory_block
 from ..fmu.exporting.servo_block import check_bare_pid
 from ..plant import Controller, as_controller
-from ..shaping import CommandFollower, Limits, Trajectory
+from ..shaping import CommandFollower, JerkFilter, Limits, Trajectory
 from .block_choice import OF_A_MOVE, BlockChoice
 from .scenario import Scenario
+from .scenario_commands import FOLLOWED
 from .scenario_loop import jerk_filter_of, servo_loop_of
 from .scenario_measured import measured_loop_of
 
@@ -153,7 +155,7 @@ def _source(
     if block is BlockChoice.SHAPER and find_move(scenario, move).shapers:
         return _shaper_of(find_move(scenario, move), dt), ()
     if block in (BlockChoice.FOLLOWER, BlockChoice.SHAPER):
-        return _follower_of(scenario, dt, move), ()
+        return _follower_of(scenario, dt, move)
     if block is BlockChoice.FILTER:
         found = jerk_filter_of(scenario)
         if found is None:
@@ -224,18 +226,45 @@ def _shaper_of(move: Move, dt: float) -> SampledShaper:
     return SampledShaper(whole, dt)
 
 
-def _follower_of(scenario: Scenario, dt: float, move: str | None) -> CommandFollower:
+def _follower_of(
+    scenario: Scenario, dt: float, move: str | None
+) -> tuple[CommandFollower, tuple[str, ...]]:
+    """Return a follower of a move's limits, and what is to be said of bounds above the jerk."""
     chosen, behind = find_move(scenario, move), jerk_filter_of(scenario)
-    if len(chosen.bounds) > 3:
-        raise ValueError(
-            f"{scenario.path}: move {chosen.name!r}: has limits of order {len(chosen.bounds)}, and "
-            "a follower keeps bounds up to the jerk; export --block trajectory, or give the move "
-            "limits without snap"
-        )
+    told: tuple[str, ...] = ()
     try:
-        return CommandFollower(Limits.from_bounds(chosen.bounds), dt=dt, jerk_filter=behind)
+        bounds = chosen.bounds
+        if len(bounds) > FOLLOWED:
+            behind = _lags_within(Limits.from_bounds(bounds), behind)
+            told = (
+                f"Bounds above the jerk are kept by lags behind the follower, {behind.order} of "
+                f"{behind.corner_hz:.4g} Hz",
+            )
+        limits = Limits.from_bounds(bounds[:FOLLOWED])
+        return CommandFollower(limits, dt=dt, jerk_filter=behind), told
     except ValueError as error:
         raise ValueError(f"{scenario.path}: move {chosen.name!r}: {error}") from None
+
+
+def _lags_within(limits: Limits, behind: JerkFilter | None) -> JerkFilter:
+    """Return equal lags, one for each derivative above the jerk, that keep the bounds on them.
+
+    Behind n lags of rate ω derivative 3 + k of the motion, k ≤ n, is at most ω^k·2^(k − 1) times
+    the span of the jerk.
+    """
+    low, high = limits.bounds(FOLLOWED)
+    if behind is not None or high - low == inf:
+        raise ValueError(
+            f"has limits of order {limits.order}, and a follower keeps bounds up to the jerk, by "
+            "lags those above: give a bound on the jerk, and no [filter], or export the trajectory"
+        )
+    span = 0.5 * (high - low)
+    sides = (limits.bounds(FOLLOWED + k) for k in range(1, limits.order - FOLLOWED + 1))
+    rates = (
+        0.5 * (min(-below, above) / span) ** (1.0 / k)
+        for k, (below, above) in enumerate(sides, start=1)
+    )
+    return JerkFilter(min(rates) / tau, limits.order - FOLLOWED)
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:

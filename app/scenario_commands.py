@@ -36,8 +36,8 @@ from .scenario_asked import (
 from .scenario_kinds import SIDEREAL, density_kind
 from .units import factor
 
-_FOLLOWED = 3
-"""Up to this order a follower keeps bounds itself; its motion is averaged for those above."""
+FOLLOWED = 3
+"""Up to this order a follower keeps bounds itself; those above are kept by averages or lags."""
 
 
 def survey_conditions(scenario: Scenario) -> dict[str, Any]:
@@ -200,8 +200,8 @@ def _followed(file: FileSection, scenario: Scenario) -> Trajectory:
     times, positions = _columns(file.path, file.time, file.position, scenario)
     scale = counted_factor(file.unit or scenario.position_unit, scenario.counted)
     bounds = scenario.limit_sets[file.limits]
-    follower = CommandFollower(Limits.from_bounds(bounds[:_FOLLOWED]), dt=file.sample_time)
-    within = _limits(file.limits, scenario) if len(bounds) > _FOLLOWED else None
+    follower = CommandFollower(Limits.from_bounds(bounds[:FOLLOWED]), dt=file.sample_time)
+    within = _limits(file.limits, scenario) if len(bounds) > FOLLOWED else None
     return follow_commands(follower, times, scale * positions, within=within)
 
 

@@ -11,7 +11,7 @@ from ... import core
 from ..batch import MotionBatch
 from ..checks import range_error
 from ..frozen import Frozen
-from ..limits import Limits, not_limits
+from ..limits import Limits, check_plain, not_limits, one_sided
 from ..pieces import FloatArray
 from ..trajectory_checks import finite_numbers
 from ..transfers.problem import Transfer, check_orders
@@ -28,7 +28,8 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
         Position, velocity and, for order 3, acceleration; those left out at the end are zero. One
         state (order,) stands for all.
     limits : Limits
-        Of order 2 or 3, of numbers, which hold for all, or of arrays. At higher orders, and with
+        Of order 2 or 3, of numbers, which hold for all, or of arrays, in which the jerk of some
+        problems may be infinite: they are planned as those of order 2. At higher orders, and with
         bounds on position or zero on a side, `min_time_transfer` plans one after the other.
 
     Returns
@@ -58,7 +59,7 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     """
     if not isinstance(limits, Limits):
         raise not_limits(limits)
-    check_orders(limits)
+    _check(limits)
     order = limits.order
     states = [_states(name, value, order) for name, value in (("starts", starts), ("ends", ends))]
     shape = _shape(*(state.shape[:-1] for state in states), limits.shape)
@@ -118,7 +119,8 @@ class Transfers(Frozen):
         """Return one motion; InfeasibleError where there is none."""
         limits = limits_of(self.limits, self.counts.shape, index)
         start, end = (_of(rows, self.counts.shape, index) for rows in (self.starts, self.ends))
-        return min_time_transfer(start.tolist(), end.tolist(), limits)
+        bounds = [limits.bounds(k) for k in range(1, limits.order + 1)]  # without infinite ones
+        return min_time_transfer(start.tolist(), end.tolist(), Limits.from_bounds(bounds))
 
     def fill(self, some: slice, rooms: tuple[FloatArray, FloatArray, FloatArray]) -> None:
         """Plan some, counted in C order; see `Problems`."""
@@ -128,6 +130,21 @@ class Transfers(Frozen):
         """Return starts, ends and bounds of some, counted in C order, or those of one for all."""
         bounds = table(self.limits, self.counts.shape, some)
         return _rows(self.starts, some), _rows(self.ends, some), bounds
+
+
+def _check(limits: Limits) -> None:
+    """Refuse limits of which a problem cannot be planned; some may have no bound on the jerk."""
+    if limits.order != 3 or limits.both_sides:
+        check_orders(limits)
+        return
+    check_plain(limits)
+    acceleration, jerk = (
+        np.isfinite(limits.lower[k]) & np.isfinite(limits.upper[k]) for k in (1, 2)
+    )
+    free = np.isinf(limits.lower[2]) & np.isinf(limits.upper[2])
+    right = jerk | (free & acceleration)
+    if not np.all(right):
+        raise one_sided(limits, right, "both bounds of the highest derivative")
 
 
 def _of(rows: FloatArray, shape: Shape, index: Index) -> FloatArray:

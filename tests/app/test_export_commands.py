@@ -10,6 +10,7 @@ from fmus import needs_compiler
 
 from jounce.app import scenario_blocks
 from jounce.app.block_choice import BlockChoice
+from jounce.app.scenario import load_scenario
 from jounce.fmu.exporting import export_c as writing
 from jounce.plant import PID, Axis, Controller, Feedforward, Friction, ServoLoop
 from jounce.shaping import CommandFollower, JerkFilter, Limits
@@ -88,6 +89,23 @@ def test_a_shaper_is_the_move_s_input_shaper_where_it_has_one(run):
     assert "part_weight[2] = {0.5, 0.5}" in text
     assert run("follower", "--output", "followed")[0] == 0
     assert "command_velocity" in Path("followed", "follower.h").read_text()
+
+
+@pytest.mark.parametrize("bounds", ['snap = "200 m/s^4"', 'crackle = "2 km/s^5"'])
+def test_lags_behind_a_follower_keep_the_bounds_above_the_jerk(bounds):
+    more = f'"2 m/s^2", jerk = ["-20 m/s^3", "30 m/s^3"], {bounds}}}'
+    text = SCENARIO.replace('"2 m/s^2"}', more).replace("filter =", "#")
+    Path("axis.toml").write_text(text, encoding="utf-8")
+    scenario = load_scenario("axis.toml")
+    follower, [told] = scenario_blocks._follower_of(scenario, 1e-3, None)
+    order = 4 if "snap" in bounds else 5
+    assert f"lags behind the follower, {order - 3} of " in told
+    commands = np.repeat([1.0, -1.0, 0.4, 0.5], 700)
+    states = follower.run(commands).states
+    steps = np.diff(states[3], n=order - 3) / 1e-3 ** (order - 3)
+    limit = 200.0 if order == 4 else 2e3
+    assert 0.2 * limit < np.abs(steps).max() <= limit
+    assert -20.0 <= states[3].min() < 0.0 < states[3].max() <= 30.0
 
 
 @pytest.mark.parametrize("verb", ["c", "fmu"])

@@ -227,7 +227,7 @@ SSPS = (
 )
 
 
-@pytest.mark.parametrize("make", some(SSPS, 3), ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", some(SSPS, 2), ids=lambda make: make.__name__)
 def test_the_ssp_is_the_simulation_in_its_own_order(make, tmp_path):
     sampled = make()
     made = export_ssp(tmp_path / "loop.ssp", sampled.trajectory, sampled.loop, platforms=["host"])

@@ -360,3 +360,24 @@ def test_the_derivative_behind_those_of_a_state_may_follow_as_alone():
     limits = Limits(1.0, 1.0)
     found = min_time_transfers([[0.0, 0.5, 0.0]], [[2.0, 0.0, 0.0]], limits)
     assert found.duration[0] == min_time_transfer((0.0, 0.5, 0.0), (2.0,), limits).duration
+
+
+def test_some_of_many_may_have_no_bound_on_the_jerk():
+    """They are planned as they are alone, where an infinite jerk is none."""
+    rng = np.random.default_rng(5)
+    jerk = np.where(rng.uniform(size=40) < 0.5, inf, rng.uniform(2.0, 60.0, 40))
+    states = rng.normal(0.0, [1.0, 0.5, 0.5], (2, 40, 3))
+    batch = min_time_transfers(*states, Limits((-2.0, 1.5), 4.0, jerk))
+    times = np.linspace(0.0, 5.0, 7)
+    for i, bound in enumerate(jerk.tolist()):
+        limits = Limits((-2.0, 1.5), 4.0, bound)
+        alone = min_time_transfer(*states[:, i].tolist(), limits)
+        assert batch[i].order == alone.order == (2 if bound == inf else 3)
+        assert batch.duration[i] == alone.duration
+        np.testing.assert_array_equal(batch(times)[i], alone(times))
+    for bounds, words in (
+        ({"acceleration": np.array([4.0, inf])}, r"jerk of problem 1 is not bounded"),
+        ({"acceleration": 4.0, "velocity": (-1.0, 0.0)}, "zero on one side"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            min_time_transfers([0.0], [1.0], Limits(**bounds, jerk=np.array([9.0, inf])))
