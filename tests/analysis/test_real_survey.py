@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, isnan, pi, sqrt
+from math import inf, isnan, nan, pi, sqrt
 
 import control
 import numpy as np
@@ -421,3 +421,22 @@ def test_a_breakaway_in_an_hour_is_told_in_hours():
     assert "breaks away next at 200 h: stuck is not at rest" in told
     [_, told] = shown_cycles(LimitCycles((), True, replace(still, next_breakaway_s=5e9)), "rad", 1)
     assert "for good" in told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"distance": 0.0}, "distance = 0.0: expected a distance other than 0"),
+        ({"distance": nan}, "distance = nan: expected a finite number"),
+        ({"settle_to": 0.0}, "settle_to = 0.0: expected a positive tolerance, smaller than"),
+        ({"settle_to": 2.0}, "settle_to = 2.0: expected a positive tolerance, smaller than"),
+    ],
+)
+def test_a_move_that_is_none_is_refused_where_it_is_built(given, told):
+    with pytest.raises(ValueError, match=told):
+        replace(move(), **given)
+
+
+def test_a_bound_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="'load_settling': most = nan: expected a number"):
+        Requirement("load_settling", most=nan)
