@@ -12,7 +12,7 @@ import numpy as np
 
 from ..plant import LoopResponse, Ramp, ServoLoop, Spectrum, TorqueSteps, Wind
 from ..plant.response_figures import load_extremes, rms_error
-from ..shaping.checks import finite
+from ..shaping.checks import finite, of_kind
 from ..shaping.told import Told
 from .specification import Tracking
 from .surveyed_loop import Poles, followed_until, linear_part, shown_times
@@ -125,6 +125,8 @@ def _each(given: Any) -> tuple[Any, ...]:
 
 def _torques(loop: ServoLoop, winds: Sequence[Wind | Spectrum]) -> Iterator[ErrorSource]:
     """Yield what random torques do."""
+    for wind in winds:
+        of_kind("wind", wind, Wind | Spectrum, "Wind(…), Spectrum(…) or a list of them")  # type: ignore[arg-type]
     for name, wind in _named(winds, "wind", "torque spectrum"):
         does = loop.deviations(wind)
         kind = _table(wind) if isinstance(wind, Spectrum) else wind.kind

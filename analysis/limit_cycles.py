@@ -133,11 +133,11 @@ def _amplitude(gain: float, step: float, low: float, high: float) -> float:
 def _standstill(loop: ServoLoop, offset: float, poles: Poles) -> Standstill:
     """Return what the loop does at standstill, followed past breakaways that are foreseen."""
     duration = 2.0 * followed_until(loop, poles, _DECAY)
-    longest = _MOST_SAMPLES * (loop.controller_noun.sample_time or duration)
     for _ in range(_ROUNDS):
         response = _held(loop, offset, duration)
+        step = loop.controller_noun.sample_time or duration / len(response.run.times)
         breakaway = nan if loop.axis.friction is None else response.next_breakaway
-        if not duration < breakaway < inf or 3.0 * breakaway > longest:
+        if not duration < breakaway < inf or 3.0 * breakaway > _MOST_SAMPLES * step:
             break
         duration = 3.0 * breakaway
     half = 0.5 * duration

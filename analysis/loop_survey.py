@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
+from ..shaping.checks import of_kind
 from ..shaping.drawing import draw
 from ..shaping.told import Rows, Told
 from .disturbed import (
@@ -253,6 +254,9 @@ def survey(
     >>> found.requirements[0].met, round(found.moves[0].configured.load_settling_time_s, 2)
     (True, 3.64)
     """
+    of_kind("loop", loop, ServoLoop, "a ServoLoop")
+    _check_lists(moves=moves, modes=modes, tracking=tracking, requirements=requirements)
+    labels = Labels() if labels is None else of_kind("labels", labels, Labels, "Labels(…)")
     margins = stable_margins(loop)
     poles = decaying_poles(margins)
     loops = compared_loops(loop, inertia_error)
@@ -273,9 +277,19 @@ def survey(
         limit_cycles=limit_cycles(loop, margins, poles),
         tracking=tuple(tracking_survey(loop, each) for each in tracking),
         modes=tuple(modes),
-        labels=labels or Labels(),
+        labels=labels,
     )
     return replace(found, requirements=requirement_checks(found, requirements))
+
+
+def _check_lists(**given: Any) -> None:
+    """Refuse what is not a list of the nouns that a survey takes."""
+    kinds = {"moves": Move, "modes": Mode, "tracking": Tracking, "requirements": Requirement}
+    for name, values in given.items():
+        noun = f"{kinds[name].__name__}(…)"
+        of_kind(name, values, Sequence, f"a list of {noun}")  # type: ignore[type-abstract]
+        for value in values:
+            of_kind(name, value, kinds[name], noun)
 
 
 def stable_margins(loop: ServoLoop) -> LoopMargins:

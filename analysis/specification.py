@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
-from math import inf
+from math import inf, isnan
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -12,7 +12,7 @@ from ..plant import ServoLoop
 from ..plant.commands import Command, as_command
 from ..plant.disturbances import checked_disturbances
 from ..shaping import InputShaper
-from ..shaping.checks import of_kind, positive
+from ..shaping.checks import finite, of_kind, positive
 from ..shaping.frozen import Frozen
 from ..shaping.real_numbers import real_number, shown
 from .disturbances import Disturbances
@@ -124,6 +124,13 @@ class Move(Frozen):
     disturbances: Disturbances | None = None
 
     def __post_init__(self) -> None:
+        if not finite("distance", self.distance):
+            raise ValueError(f"distance = {shown(self.distance)}: expected a distance other than 0")
+        if not 0.0 < real_number("settle_to", self.settle_to) < abs(self.distance):
+            raise ValueError(
+                f"settle_to = {shown(self.settle_to)}: expected a positive tolerance, smaller than "
+                f"the distance {shown(self.distance)}"
+            )
         given = (self.shapers,) if isinstance(self.shapers, InputShaper) else tuple(self.shapers)
         for shaper in given:
             of_kind("shapers", shaper, InputShaper, "input_shaper(kind, frequency_hz, damping)")
@@ -202,12 +209,13 @@ class Requirement:
             bound = getattr(self, side)
             if bound is not None:
                 object.__setattr__(self, side, real_number(side, bound))
+                if isnan(getattr(self, side)):
+                    raise ValueError(f"requirement {self.name!r}: {side} = nan: expected a number")
         low, high = self.bounds
         if not low <= high:
             raise ValueError(
                 f"requirement {self.name!r}: nothing is at least {shown(low)} and at most "
-                f"{shown(high)}; "
-                "exchange the two"
+                f"{shown(high)}; exchange the two"
             )
 
     @property

@@ -27,8 +27,10 @@ def _levels(times: ArrayLike, torques: ArrayLike) -> tuple[FloatArray, FloatArra
             f"times of shape {at.shape} with torques of shape {values.shape}: expected one torque "
             "for each time"
         )
-    if not (np.isfinite(at).all() and np.isfinite(values).all() and (np.diff(at) > 0.0).all()):
-        raise ValueError(f"times = {shown(times)}: expected finite, increasing times and torques")
+    if not (np.isfinite(at).all() and (np.diff(at) > 0.0).all()):
+        raise ValueError(f"times = {shown(times)}: expected finite, increasing times")
+    if not np.isfinite(values).all():
+        raise ValueError(f"torques = {shown(torques)}: expected finite torques")
     at.flags.writeable = values.flags.writeable = False
     return at, values
 

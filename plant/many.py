@@ -11,6 +11,7 @@ from threading import Lock
 from typing import Any, TypeVar
 
 from ..shaping.checks import whole
+from ..shaping.real_numbers import shown
 from .loop_grid import responses_of
 from .loop_response import LoopResponse
 from .servo_loop import ServoLoop
@@ -65,7 +66,9 @@ def respond_all(
     >>> [round(float(error), 4) for error in errors]
     [0.0014, 0.0001]
     """
-    count = whole("workers", workers or os.cpu_count() or 1, 1, MOST_WORKERS)
+    if not callable(figures):
+        raise TypeError(f"figures = {shown(figures)}: expected a function of a LoopResponse")
+    count = whole("workers", (os.cpu_count() or 1) if workers is None else workers, 1, MOST_WORKERS)
     groups = _Groups(loops)
     work = partial(_work, groups, command, dt, others, figures)
     with ThreadPoolExecutor(count) as pool:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..shaping.pieces import FloatArray
+from ..shaping.real_numbers import shown
 from .axis import Axis
 from .commands import Command, breaks_of, derivatives_of, highest_order, on_breaks, sines_of
 from .controller import Controller
@@ -19,6 +20,8 @@ from .hybrid import Hybrid
 from .layout import Layout
 from .signal_pieces import TERMS, Pieces
 
+MOST_SAMPLES = 1e8
+"""Of a digital controller in a response."""
 _COUNTS = 1e-20  # of a term of the Taylor series: smaller ones are nothing
 _AT_ONCE = 1024  # pieces: their numbers stay in the cache
 _SAME = 1e-13  # times this near to one another, relative to the longest, are one
@@ -67,6 +70,11 @@ class Scene:
 
 def samples_within(duration: float, dt: float) -> int:
     """Return how many samples a digital controller takes before the end of a response."""
+    if duration > MOST_SAMPLES * dt:
+        raise ValueError(
+            f"duration = {shown(duration)} makes {duration / dt:.3g} samples of {shown(dt)}: "
+            f"expected at most {MOST_SAMPLES:.0e}; respond for a shorter time"
+        )
     return max(ceil(duration / dt * (1.0 - 1e-12)), 1)
 
 

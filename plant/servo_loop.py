@@ -314,7 +314,8 @@ class ServoLoop(Frozen):
             or self.axis.ripple
             or self.axis.torque_limit < inf
         )
-        plain = exact and disturbance is None and times is None and start is None
+        given_more = (disturbance, times, start, noise)
+        plain = exact and all(each is None for each in given_more)
         if plain and not (self.axis.spring or self.axis.constant_load):
             return None
         if jerk_filter is not None:

@@ -155,7 +155,7 @@ def _run(prepared: _Prepared, segments: FloatArray, status: int) -> Run:
         )
     if status != core.OK and np.isfinite(z).all():
         raise ValueError(
-            f"friction or limit changes more than {len(segments)} times until "
+            f"more than {len(segments)} steps and changes of friction or limit until "
             f"t = {segments[-1, 0]:.6g}: shorten the duration"
         )
     if not np.isfinite(z).all():

@@ -61,6 +61,7 @@ from jounce.shaping import (
     velocity_move,
     velocity_transfer,
 )
+from jounce.shaping.real_numbers import rounded_down, shown
 from jounce.shaping.recursive_s_curve import recursive_s_curve
 
 LIMITS = Limits(velocity=1.0, acceleration=2.0, jerk=20.0)
@@ -411,3 +412,27 @@ def test_the_line_names_the_type_and_the_remedy():
         MOVE(np.array([SECOND]))
     with pytest.raises(TypeError, match=r"; leave out or fill what is masked$"):
         MOVE(np.ma.array([0.0, 1.0], mask=[False, True]))
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (10 * 0.96, "9.6"),
+        (9.600000000000001, "9.6"),
+        (0.1 + 0.2, "0.3"),
+        (-0.0, "0.0"),
+        (np.float64(-0.25), "-0.25"),
+        (1e-9, "1e-09"),
+        (float("inf"), "inf"),
+        ([0.1 + 0.2, 1], "[0.3, 1]"),
+        ("nm", "'nm'"),
+    ],
+)
+def test_messages_show_numbers_without_their_last_rounding_error(value, told):
+    assert shown(value) == told
+
+
+@pytest.mark.parametrize("value", [0.5 / 0.7, 0.5 / 600.0, 0.4 / 420.0, 1e-3, 5e8 / 3])
+def test_a_bound_to_be_kept_is_rounded_down(value):
+    told = float(rounded_down(value))
+    assert 0.999 * value < told <= value

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, isnan, pi, sqrt
+from math import inf, isnan, nan, pi, sqrt
 
 import control
 import numpy as np
@@ -421,3 +421,45 @@ def test_a_breakaway_in_an_hour_is_told_in_hours():
     assert "breaks away next at 200 h: stuck is not at rest" in told
     [_, told] = shown_cycles(LimitCycles((), True, replace(still, next_breakaway_s=5e9)), "rad", 1)
     assert "for good" in told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"distance": 0.0}, "distance = 0.0: expected a distance other than 0"),
+        ({"distance": nan}, "distance = nan: expected a finite number"),
+        ({"settle_to": 0.0}, "settle_to = 0.0: expected a positive tolerance, smaller than"),
+        ({"settle_to": 2.0}, "settle_to = 2.0: expected a positive tolerance, smaller than"),
+    ],
+)
+def test_a_move_that_is_none_is_refused_where_it_is_built(given, told):
+    with pytest.raises(ValueError, match=told):
+        replace(move(), **given)
+
+
+def test_a_bound_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="'load_settling': most = nan: expected a number"):
+        Requirement("load_settling", most=nan)
+
+
+def test_a_continuous_loop_that_sticks_for_hours_is_surveyed():
+    axis = Axis(2.0, friction=Friction(1.0))
+    found = survey(ServoLoop(axis, PID(1263.0, 9525.0, 65.0)), []).limit_cycles
+    assert found.standstill.next_breakaway_s > 3600.0
+    assert " h: stuck is not at rest" in shown_cycles(found, "rad", 1.0)[-1]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"moves": [3]}, r"moves = 3: expected Move\(…\)"),
+        ({"moves": move()}, r"moves = Move\(.*: expected a list of Move\(…\)"),
+        ({"requirements": ["phase_margin"]}, "requirements = 'phase_margin': expected Requirement"),
+        ({"wind": 3.0}, r"wind = 3.0: expected Wind\(…\), Spectrum\(…\) or a list of them"),
+        ({"labels": "arcsec"}, "labels = 'arcsec': expected Labels"),
+        ({"loop": 3}, "loop = 3: expected a ServoLoop"),
+    ],
+)
+def test_what_no_survey_takes_is_refused(given, told):
+    with pytest.raises(TypeError, match=told):
+        survey(**{"loop": REAL, "moves": [], **given})

@@ -1,5 +1,6 @@
 """What a response takes, in which shapes it comes, and what is refused."""
 
+import re
 from math import inf, nan
 
 import control
@@ -7,7 +8,15 @@ import numpy as np
 import pytest
 from responses import LAG, MOVE
 
-from jounce.plant import respond
+from jounce.plant import (
+    PID,
+    Controller,
+    Inertia,
+    ServoLoop,
+    TorqueSteps,
+    respond,
+    respond_all,
+)
 from jounce.shaping import Limits, min_time_move
 
 
@@ -131,3 +140,33 @@ def test_a_grid_without_end_is_refused():
         respond(control.tf([1], [1, 1]), move, 1e-12)
     with pytest.raises(ValueError, match=r"dt = 1e-12 makes 2e\+12 samples"):
         move.sample(1e-12)
+
+
+@pytest.mark.parametrize(
+    ("do", "told"),
+    [
+        (
+            lambda loop, move: loop.respond(move, noise=[1.0], dt=0.1),
+            "a continuous controller takes",
+        ),
+        (
+            lambda loop, move: ServoLoop(
+                loop.plant, Controller(loop.controller, sample_time=1e-3)
+            ).respond(move, 1.0, duration=1e9),
+            "duration = 1000000000.0 makes 1e+12 samples of 0.001: expected at most 1e+08",
+        ),
+        (
+            lambda loop, move: respond_all([loop], move, 0.1, figures=3),
+            "figures = 3: expected a function of a LoopResponse",
+        ),
+        (
+            lambda loop, move: respond_all([loop], move, 0.1, figures=len, workers=0),
+            "workers = 0: expected a whole number from 1",
+        ),
+        (lambda *_: TorqueSteps([0.1], [nan]), "torques = [nan]: expected finite torques"),
+    ],
+)
+def test_arguments_that_no_response_has_are_refused(do, told):
+    loop = ServoLoop(Inertia(1.0), PID(2.0, 1.0, 3.0))
+    with pytest.raises((ValueError, TypeError), match=re.escape(told)):
+        do(loop, min_time_move(1.0, Limits(1.0, 1.0)))
