@@ -17,6 +17,7 @@ _TOLERANCE = 1e-9
 _SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
 _ITERATIONS = 20  # per column: more were never of use, the simplex method may cycle for ever
 _MOST_ITERATIONS = 5000
+_SECONDS = 10.0  # of one run, a hundred times the usual: with inputs of 1e8 it may never end
 SETTINGS: dict[str, bool | int | float | str] = {
     "output_flag": False,
     "threads": 1,
@@ -65,7 +66,7 @@ class LinearProgram:
             self._highs = _started(self.objective, self.matrix, lower, upper, inputs)
         else:
             self._move_bounds(lower, upper, inputs)
-        self._highs.run()
+        run(self._highs)
         if not self._solved():
             return self._solve_otherwise(lower, upper, inputs)
         return self._solution()
@@ -82,7 +83,7 @@ class LinearProgram:
         for settings in _OTHER_WAYS:
             self._highs = _started(self.objective, self.matrix, lower, upper, inputs)
             set_options(self._highs, settings)
-            self._highs.run()
+            run(self._highs)
             if self._solved():
                 solution = self._solution()
                 self._highs = None
@@ -153,6 +154,12 @@ def loaded(
         np.zeros(matrix.shape[1], dtype=np.int32),
     )
     return highs
+
+
+def run(highs: Any) -> None:
+    """Run HiGHS, whose limit is on the seconds of all runs, for some seconds at most."""
+    set_options(highs, {"time_limit": highs.getRunTime() + _SECONDS})
+    highs.run()
 
 
 def set_options(highs: Any, settings: Mapping[str, bool | int | float | str]) -> None:

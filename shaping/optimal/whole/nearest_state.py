@@ -13,12 +13,12 @@ from .restriction import hull_rows
 from .sampled import first_sizes
 from .warm_program import WarmProgram
 
-_CELLS = 36
-_GRADED = 1.5  # cells are short where the motion begins
+_CELLS = 48
+_GRADED = 2.0  # cells are short where the motion begins
 _LONGER = (1.0, 3.0, 9.0, 27.0)  # times the time in which no bound is kept
 _ANY = tuple(2.0**i for i in range(-6, 7))
 _TRIED = (1.0, 0.25, 4.0, 0.05)  # durations of a motion to rest
-_SHRINK = 1e-2  # of the highest bound: so that what is found is inside
+_SHRINK = 2e-3  # of the highest bound: so that what is found is inside
 _HARDLY = 0.01  # less, relative: then a longer time is of no use
 _NOTHING = 1e-7  # of its size: a value that is zero
 

@@ -15,6 +15,7 @@ from ...pieces import FloatArray
 from ...trajectory import Trajectory
 from ..proof import CostateLink, Link, Proof, Slopes, TaylorLink
 from . import search as searching
+from .by_rest import grid_by_rest
 from .costate import Multipliers
 from .first_time import taylor_chain, taylor_slopes
 from .problem import WholeProblem, power_of_two
@@ -30,6 +31,7 @@ DEFAULT_RTOL = 1e-4
 ROUGHLY_RTOL = 0.5
 """Gap that is asked for where only a motion is sought, or the proof that there is none."""
 
+_FIRST_ROUNDS = 4
 _ROUGHLY_EFFORT = 0.1 * EFFORT
 
 HIGHEST_ORDER = 10
@@ -178,8 +180,18 @@ def _planned(
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         search = Search(inner)
-        search.run(rtol, effort=Effort(effort))
+        _run(search, rtol, Effort(effort))
     return Plan(problem, search, length, time)
+
+
+def _run(search: Search, rtol: float, effort: Effort) -> None:
+    """Search; where some rounds find no motion, on a grid that has short cells where it needs."""
+    search.run(rtol, _FIRST_ROUNDS, effort)
+    open_still = search.best is None and search.lower < inf and search.dead_end is None
+    if open_still and not search.problem.at_rest:
+        grid = grid_by_rest(search.problem, search.lower, effort)
+        search.nodes = search.nodes if grid is None else grid
+    search.run(rtol, effort=effort)
 
 
 def _outside(link: TaylorLink | searching.Link, time: int, sign: int) -> Link:

@@ -39,7 +39,7 @@ from .sampled import Sampled, are_near, first_nodes, first_sizes
 from .warm_program import Effort
 
 _MOST_CELLS = 180
-_MOST_INPUTS = 600  # of a relaxed program: with more the simplex method takes seconds
+_MOST_INPUTS = 1000  # of a relaxed program: with more the simplex method takes seconds
 _ROUNDS = 14
 _STEPS = 40
 _FOUND = 1e-7  # missing: less is left to the repair
@@ -54,6 +54,7 @@ _PATIENT = 3  # rounds with the whole margin for the repair
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
 _BACK = 1e-5  # of the duration: the first step back to one that a grid excludes
 _STEPS_BACK = 4
+_SLOW = 0.7  # of the gap: a round that leaves more does not make the grid coarser anywhere
 _COARSE = 5e-3  # gap above which the relaxed program's own motion tells where to refine, too
 
 
@@ -125,7 +126,7 @@ class Search:
 
     def _round(self, rtol: float) -> None:
         problem, n = self.problem, self.problem.order
-        before, self._sizes = self.lower, self._sizes_of_guide()
+        before, gap, self._sizes = self.lower, self.gap, self._sizes_of_guide()
         parts = parts_of(n, len(self.nodes) - 1)
         maps = node_states(self.nodes, n, parts)
         relaxed = self._exclude(maps, parts, rtol)
@@ -146,7 +147,8 @@ class Search:
             self.guide = motion
         if self.gap > rtol:
             idle = self.lower <= before * (1.0 + 0.02 * rtol)
-            self.nodes = self._refined(relaxed, rows, found, motion, idle)
+            slow = _SLOW * gap < self.gap < inf
+            self.nodes = self._refined(relaxed, rows, found, motion, (idle, slow))
 
     def _sizes_of_guide(self) -> FloatArray:
         if self.guide is None:
@@ -242,8 +244,13 @@ class Search:
         rows: Rows,
         found: Found | None,
         motion: Sampled | None,
-        idle: bool,
+        fails: tuple[bool, bool],
     ) -> FloatArray:
+        """Return a grid finer where most is lost; coarser elsewhere but where the round failed.
+
+        `fails`: whether it excluded no more, and whether it left most of the gap.
+        """
+        idle, slow = fails
         problem, count = self.problem, len(self.nodes) - 1
         cells = np.empty(0, dtype=int)
         total = np.zeros(count)
@@ -268,7 +275,7 @@ class Search:
         if not len(cells):
             cells = np.arange(count)
         finer = refined(self.nodes, cells.astype(int), costate, inputs)
-        if idle or motion is None or found is None or found.missing > _NEARLY:
+        if idle or slow or motion is None or found is None or found.missing > _NEARLY:
             return finer
         kept = coarser(problem, motion, total)
         dropped = np.setdiff1d(self.nodes, kept)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pieces import FloatArray
-from ..linear_program import loaded, set_options
+from ..linear_program import loaded, run, set_options
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
@@ -22,8 +22,8 @@ _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
 _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
-EFFORT = 5e9
-"""Of one search: five to ten seconds."""
+EFFORT = 1e10
+"""Of one search: ten to twenty seconds."""
 
 
 @dataclass(eq=False)
@@ -113,7 +113,7 @@ class WarmProgram:
         size = len(self.rows) * len(self.costs)
         limit = min(_ITERATIONS * (len(self.rows) + len(self.costs)), 1 + self._effort.left / size)
         set_options(self._highs, {"simplex_iteration_limit": int(limit)})
-        self._highs.run()
+        run(self._highs)
         iterations = self._highs.getInfo().simplex_iteration_count
         known = iterations >= 0  # not where it fails, which takes longest
         self._effort.left -= ((iterations if known else limit) + _OVERHEAD) * size
