@@ -461,7 +461,9 @@ class Explorer {
   start() {
     this.wire.forget();
     this.bad.hidden = true;
-    this.wire.send({ kind: "start", link: this.model.get("link") ?? "", view: this.view });
+    // What is looked at is told by the session first, by a page that comes back later.
+    const view = this.stood ? { view: this.view } : {};
+    this.wire.send({ kind: "start", link: this.model.get("link") ?? "", ...view });
   }
 
   lost() {
@@ -803,6 +805,8 @@ class Explorer {
 
   stand(status) {
     this.status = status;
+    if (!this.stood) this.look(status.view, false);
+    this.stood = true;
     this.heading.replaceChildren(
       status.title,
       make("small", {}, `${status.file}${status.changed ? ", changed" : ""}`),
