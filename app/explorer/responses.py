@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isfinite
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from ...analysis.margins import LoopMargins
-from ...analysis.specification import Move
+from ...analysis.requirement_checks import RequirementCheck, figure_of
+from ...analysis.specification import OF_MOVES, Move
 from ...analysis.step_response import step_response
 from ...analysis.surveyed_loop import decaying_poles
 from ...analysis.surveyed_moves import MoveSurvey, move_survey
@@ -82,6 +85,7 @@ def _response(state: State, found: MoveSurvey) -> Part:
         "torque_limit": finite_or_none(limit),
         "unit": unit,
         "torque_unit": torque_unit,
+        "required": list(_required(state, found)),
         "figures": [
             ["settling time", finite_or_none(figures.settling_time_s), "s"],
             ["peak error", figures.peak_error / scale, unit],
@@ -90,6 +94,16 @@ def _response(state: State, found: MoveSurvey) -> Part:
             *(share if isfinite(limit) else []),
         ],
     }
+
+
+def _required(state: State, found: MoveSurvey) -> Iterator[list[Any]]:
+    """Yield what is required of the move: name, what is asked, what it is, whether it is met."""
+    survey = SimpleNamespace(moves=(found,))
+    for asked in state.scenario.requirements:
+        if asked.figure in OF_MOVES and asked.owner in ("", found.name):
+            check = RequirementCheck(asked, figure_of(survey, asked))
+            must, achieved, _ = check.shown(state.scenario.labels)
+            yield [asked.figure.replace("_", " "), must, achieved, check.met]
 
 
 def _thin(time: FloatArray, *columns: FloatArray) -> tuple[FloatArray, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from os import PathLike
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from ...analysis.measured import MeasuredResponse
@@ -38,7 +39,7 @@ class Explorer:
         self.session = session
         self.widget = _widget()
         self._mailbox = Mailbox(session, self._send)
-        self._answering: asyncio.Task[None] | None = None
+        self._own: asyncio.AbstractEventLoop | None = None
         self.widget.on_msg(lambda _, message, __: self.receive(message))
 
     @property
@@ -56,10 +57,18 @@ class Explorer:
         return self.session.text()
 
     def receive(self, message: dict[str, Any]) -> None:
-        """Take a message of the page and answer it, between the notebook's cells."""
-        self._mailbox.put(message)
-        if self._answering is None or self._answering.done():
-            self._answering = asyncio.get_running_loop().create_task(self._mailbox.run())
+        """Take a message of the page, which is answered while the notebook does other things.
+
+        The thread that answers is its own: notebooks take messages in loops that they leave.
+        """
+        if self._own is None:
+            self._own = asyncio.new_event_loop()
+            Thread(target=self._answer, daemon=True).start()
+        self._own.call_soon_threadsafe(self._mailbox.put, message)
+
+    def _answer(self) -> None:
+        assert self._own is not None
+        self._own.run_until_complete(self._mailbox.run())
 
     async def _send(self, part: dict[str, Any]) -> None:
         plain, buffers = packed(part)

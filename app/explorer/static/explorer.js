@@ -461,7 +461,9 @@ class Explorer {
   start() {
     this.wire.forget();
     this.bad.hidden = true;
-    this.wire.send({ kind: "start", link: this.model.get("link") ?? "", view: this.view });
+    // What is looked at is told by the session first, by a page that comes back later.
+    const view = this.stood ? { view: this.view } : {};
+    this.wire.send({ kind: "start", link: this.model.get("link") ?? "", ...view });
   }
 
   lost() {
@@ -756,6 +758,8 @@ class Explorer {
     this.moveElements = make("div");
     const head = (...names) =>
       make("thead", {}, make("tr", {}, ...names.map((name) => make("th", { scope: "col" }, name))));
+    this.required = make("tbody");
+    this.requiredTable = make("table", { hidden: true }, head("required", "must be", "is"), this.required);
     this.movePlots = make("div", { class: "plots" });
     this.spectrum = new Plot("Spectrum of the move", { log: true, look: "wide" });
     this.moveError = new Plot("Error in the loop");
@@ -771,6 +775,7 @@ class Explorer {
           make("h2", {}, "Move"),
           this.which,
           make("table", {}, head("figure", "value"), this.figures),
+          this.requiredTable,
           this.proven,
           make("table", {}, head("mode", "at", "left ringing"), this.left),
         ),
@@ -803,6 +808,8 @@ class Explorer {
 
   stand(status) {
     this.status = status;
+    if (!this.stood) this.look(status.view, false);
+    this.stood = true;
     this.heading.replaceChildren(
       status.title,
       make("small", {}, `${status.file}${status.changed ? ", changed" : ""}`),
@@ -967,6 +974,19 @@ class Explorer {
       });
     }
     if (there) this.inLoop = part.figures;
+    const required = part.required ?? [];
+    this.requiredTable.hidden = !required.length;
+    this.required.replaceChildren(
+      ...required.map(([name, must, is, met]) =>
+        make(
+          "tr",
+          { class: met ? "within" : "fails", "data-required": name, title: met ? "met" : "missed" },
+          make("th", { scope: "row" }, name),
+          make("td", {}, must),
+          make("td", { class: "now" }, is),
+        ),
+      ),
+    );
     this.count();
   }
 

@@ -1,7 +1,7 @@
 """What is shown of a move: limits, binding pieces, residual vibration, order and shaper."""
 
 import pytest
-from explored import session_of, told, written
+from explored import SCENARIO, session_of, told, written
 
 from jounce.analysis import residual_vibration
 from jounce.analysis.planned_moves import planned
@@ -83,3 +83,22 @@ def test_torque_stands_beside_its_limit(session):
     assert 0.0 < figures["peak torque"] == pytest.approx(abs(response["torque"]).max(), rel=1e-3)
     share = figures["share of the torque limit"]
     assert share == pytest.approx(figures["peak torque"] / 3.0)
+
+
+def test_what_is_required_of_the_move_stands_beside_what_it_does(tmp_path):
+    asked = """
+[requirements]
+peak_torque = { max = "1 N m" }
+duration = { max = "10 s" }
+phase_margin = { min = "10 deg" }
+
+[requirements.turn]
+peak_error = { max = "1 rad" }
+"""
+    text = SCENARIO.partition("[requirements]")[0] + asked.lstrip()
+    session = session_of(written(tmp_path, text))
+    rows = told(session, {"kind": "view", "view": "move"}, until="response")["response"]["required"]
+    met = {name: met for name, _, _, met in rows}
+    assert met == {"peak torque": False, "duration": True, "peak error": True}
+    assert rows[0][1] == "≤ 1 N m"
+    assert float(rows[0][2].removesuffix(" N m")) > 1.0

@@ -197,6 +197,22 @@ def test_the_move_and_its_limits(page):
     assert re.search(r"at its limit \d+ % of the time", caption)
 
 
+def test_a_session_that_is_about_a_move_opens_with_it(browser, path):
+    def about_the_move():
+        session = session_of(path)
+        session.receive({"kind": "view", "view": "move"})
+        return session
+
+    own = Served(about_the_move)
+    page = browser.new_page()
+    page.goto(own.address)
+    at_rest(page)
+    assert page.is_visible('tr[data-figure="duration"]')
+    assert page.get_attribute("[data-view=move]", "aria-selected") == "true"
+    page.close()
+    own.stop()
+
+
 def test_pictures_are_whole(page, tmp_path):
     with page.expect_download() as told:
         page.click("button:text-is('SVG')")

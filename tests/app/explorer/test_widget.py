@@ -1,6 +1,7 @@
 """The explorer in a notebook: nouns become a scenario and come back, messages are answered."""
 
 import asyncio
+import time
 import tomllib
 
 import control
@@ -121,14 +122,12 @@ def answered(explorer, *messages):
     sent = []
     explorer.widget.send = lambda content, buffers: sent.append((content, buffers))
 
-    async def go():
-        for message in messages:
-            explorer.receive(message)
-        async with asyncio.timeout(30):
-            while not any(content["part"] == "done" for content, _ in sent):
-                await asyncio.sleep(0.01)
-
-    asyncio.run(go())
+    for message in messages:
+        explorer.receive(message)
+    last = time.monotonic() + 60.0
+    while not any(content["part"] == "done" for content, _ in sent):
+        assert time.monotonic() < last
+        time.sleep(0.01)
     return {content["part"]: content for content, _ in sent}
 
 
@@ -148,6 +147,24 @@ def test_a_loop_in_a_notebook_is_shaped_and_taken_back():
     assert row["value"] == loop_margins(explorer.loop).phase_margin_deg
     assert shown["curves"]["model"]["frequency"] == {"$array": 0}
     assert tomllib.loads(explorer.text()) == explorer.session.state.content
+
+
+@pytest.mark.usefixtures("_extra")
+def test_messages_are_answered_that_come_from_loops_which_end():
+    explorer = explore(LOOPS["ideal"])
+    seen = []
+    explorer.widget.send = lambda content, _: seen.append((content["part"], content["id"]))
+
+    async def come(message):
+        explorer.receive(message)
+
+    for number in (1, 2):
+        asyncio.run(come({"id": number, "kind": "start", "link": "", "view": "loop"}))
+        last = time.monotonic() + 60.0
+        while ("done", number) not in seen:
+            assert time.monotonic() < last
+            time.sleep(0.01)
+    assert seen.count(("numbers", 1)) == seen.count(("numbers", 2)) == 1
 
 
 @pytest.mark.usefixtures("_extra")
