@@ -108,10 +108,12 @@ def local_fits(lines: Real, response: Complex, sigma: Real | None) -> LocalFits:
     flat = response * lines**power
     bars = _estimated_noise(lines, flat, few) if sigma is None else sigma * lines**power
     bars = np.maximum(bars, _FLOOR * np.maximum(abs(flat), 1e-300))
-    best = _preferred(lines, flat, bars, _windows(hole, min(_WINDOW, len(lines))))
-    if (best.misfit > _POOR).any():
-        narrow = _preferred(lines, flat, bars, few)
-        best = best.chosen(narrow, (best.misfit > _POOR) & (narrow.misfit < best.misfit))
+    wide = _windows(hole, min(_WINDOW, len(lines)))
+    best = _preferred(lines, flat, bars, wide, np.arange(len(hole)))
+    poor = np.flatnonzero(best.misfit > _POOR)
+    if poor.size:
+        narrow = _preferred(lines, flat, bars, few, poor)
+        best.replace(poor, narrow, narrow.misfit < best.misfit[poor])
     return LocalFits(lines, bars / lines**power, best, hole, power)
 
 
@@ -168,17 +170,24 @@ def _neighbours(values: Real, count: int) -> Real:
     return np.asarray(np.median(values[np.clip(near, 0, len(values) - 1)], axis=1))
 
 
-def _preferred(lines: Real, response: Complex, sigma: Real, windows: Index) -> RationalFits:
-    """Return for each window the fit that Schwarz's criterion prefers, of no pole up to two."""
+def _preferred(
+    lines: Real, response: Complex, sigma: Real, windows: Index, gaps: Index
+) -> RationalFits:
+    """Return for each of some gaps the fit that Schwarz's criterion prefers, of no pole up to two.
+
+    Poles are not tried where they could not be preferred were their fit perfect.
+    """
     count = windows.shape[1]
-    best = rational_fits(lines, response, sigma, windows, poles=0)
+    best = rational_fits(lines, response, sigma, windows[gaps], poles=0)
     smooth = best.misfit < _ROUGH
     least = _cost(best, count, 0)
     for poles in (1, 2):
-        fits = rational_fits(lines, response, sigma, windows, poles=poles)
-        cost = np.where(smooth & _doubtful(lines, fits), np.inf, _cost(fits, count, poles))
-        best = best.chosen(fits, cost < least)
-        least = np.minimum(cost, least)
+        some = np.flatnonzero(least > _cost_of(NUMERATOR + poles, count))
+        fits = rational_fits(lines, response, sigma, windows[gaps[some]], poles=poles)
+        doubtful = smooth[some] & _doubtful(lines, fits, gaps[some])
+        cost = np.where(doubtful, np.inf, _cost(fits, count, poles))
+        best.replace(some, fits, cost < least[some])
+        least[some] = np.minimum(cost, least[some])
     return best
 
 
@@ -186,13 +195,17 @@ def _cost(fits: RationalFits, count: int, poles: int) -> Real:
     """Return −2·ln of the likelihood, and ln(2n) for each real coefficient."""
     coefficients = NUMERATOR + poles
     squares = 2.0 * fits.misfit * (count - coefficients)
-    return np.asarray(squares + 2.0 * coefficients * np.log(2.0 * count))
+    return np.asarray(squares + _cost_of(coefficients, count))
 
 
-def _doubtful(lines: Real, fits: RationalFits) -> Mask:
+def _cost_of(coefficients: int, count: int) -> float:
+    return 2.0 * coefficients * float(np.log(2.0 * count))
+
+
+def _doubtful(lines: Real, fits: RationalFits, gaps: Index) -> Mask:
     """Return which fits have a resonance at or between the two lines that is lost in its σ."""
-    room = _BESIDE * np.diff(lines)
-    low, high = lines[:-1] - room, lines[1:] + room
+    room = _BESIDE * (lines[gaps + 1] - lines[gaps])
+    low, high = lines[gaps] - room, lines[gaps + 1] + room
     doubtful = np.zeros(len(low), dtype=bool)
     for pole in fits.poles().T:
         some = np.flatnonzero((pole.real > low) & (pole.real < high))

@@ -24,6 +24,7 @@ NUMERATOR = 3
 """Coefficients of the numerator."""
 
 _ROUNDS = 4
+_AT_ONCE = 2048  # windows: what a cache holds
 _PRIOR = 1e-3  # one over the size of b that is no surprise: keeps fits of too many poles regular
 
 
@@ -80,13 +81,10 @@ class RationalFits(NamedTuple):
         found[two] = np.stack([root - b1[two], -root - b1[two]], axis=1) / (2.0 * b2[two, None])
         return np.asarray(self.middle[:, None] + self.halfwidth[:, None] * found)
 
-    def chosen(self, others: RationalFits, where: Mask) -> RationalFits:
-        """Return these fits, and others where they are chosen."""
-        parts = []
+    def replace(self, some: Index, others: RationalFits, where: Mask) -> None:
+        """Put in others, which are fits of some windows, where they are chosen."""
         for own, other in zip(self, others, strict=True):
-            mask = where.reshape(-1, *(1,) * (own.ndim - 1))
-            parts.append(np.where(mask, other, own))
-        return RationalFits(*parts)
+            own[some[where]] = other[where]
 
 
 def rational_fits(
@@ -101,6 +99,14 @@ def rational_fits(
         Numbers of the lines in each; n is more than 3 + poles.
     poles : int
     """
+    starts = range(0, max(len(windows), 1), _AT_ONCE)
+    parts = [
+        _fits(lines, response, sigma, windows[start : start + _AT_ONCE], poles) for start in starts
+    ]
+    return RationalFits(*(np.concatenate(some) for some in zip(*parts, strict=True)))
+
+
+def _fits(lines: Real, response: Complex, sigma: Real, windows: Index, poles: int) -> RationalFits:
     first, last = lines[windows[:, 0]], lines[windows[:, -1]]
     middle, halfwidth = 0.5 * (first + last), 0.5 * (last - first)
     values, weight = response[windows], 1.0 / sigma[windows]

@@ -25,6 +25,8 @@ from .rational_fits import Complex, Real
 
 _MOST_STEP = 0.5 * np.pi
 _OFF_SLOPE = 75.0  # degrees that a phase may be off the one of its slope
+_OFF_DECLARED, _LEADS = 135.0, 45.0  # a plant lags behind its integrators, hardly ever leads
+_FAR_BELOW, _POINTS_BELOW = 1e-4, 200  # of the first line: where a controller is looked at
 _LOWEST = 2.0  # what counts as the lowest lines: up to this many times the first
 _QUIET = 0.3  # |L| below which what lies between lines hides nothing
 
@@ -180,33 +182,73 @@ def _turns(around: Complex) -> float:
 def _first_turn(grid: LoopGrid, parts: Factored) -> float | str:
     """Return arg(1 + L) at the first line on its branch, in turns, or why that is not known."""
     around = float(np.degrees(np.angle(1.0 + grid.value[0])))
+    found = _phase_of_plant(grid, parts) if parts.controller.system else _phase_of_loop(grid, parts)
+    if isinstance(found, str):
+        return found
+    expected, negative = found
+    return (expected - 180.0 * negative + _off(around - expected)) / 360.0
+
+
+def _phase_of_plant(grid: LoopGrid, parts: Factored) -> tuple[float, bool] | str:
+    """Return arg L at the first line and whether L is negative at DC, by the exact controller.
+
+    Below the first line the plant is one of its integrators, as declared or as by its slope.
+    """
+    first = grid.frequency_hz[:1]
+    below = np.unique(
+        np.append(np.geomspace(_FAR_BELOW * first[0], first[0], _POINTS_BELOW), first)
+    )
+    below = np.union1d(below, parts.controller.places(below[0], below[-1]))
+    c = parts.controller.at(below)
+    declared, fits = parts.fitted.integrators, parts.fitted.fits
+    count = fits.power if declared is None else declared
+    size = abs(grid.value[0] / c[-1]) * (first[0] / below) ** count * abs(c)
+    if (size <= 1.0).any():
+        at = below[int(np.argmin(size))]
+        return (
+            f"|L| falls to {size.min():.3g} at {at:.4g} Hz, below the first line, if the plant is "
+            f"one of {count} integrators there: measure lower frequencies"
+        )
+    phase = float(np.degrees(np.angle(grid.value[0] / c[-1])))
+    negative = bool(parts.fitted.unstable_poles) and abs(_off(phase + 90.0 * count)) > 90.0
+    expected = 180.0 * negative - 90.0 * count
+    off = _off(phase - expected)
+    if not -(_OFF_SLOPE if declared is None else _OFF_DECLARED) < off < _LEADS:
+        how = "its slope gives" if declared is None else "those declared give"
+        return (
+            f"the phase of the plant starts at {phase:+.0f}° where {count} integrators, which "
+            f"{how}, go with {expected:+.0f}°: inverted sign, or 360° off? check the channels, or "
+            "declare integrators and unstable_poles"
+        )
+    turn = np.degrees(np.unwrap(np.angle(c)))
+    start = _off(turn[0] + 90.0 * parts.controller.integrators)
+    of_controller = turn[-1] - turn[0] + start - 90.0 * parts.controller.integrators
+    return expected + off + float(of_controller), negative
+
+
+def _phase_of_loop(grid: LoopGrid, parts: Factored) -> tuple[float, bool] | str:
+    """Return arg L at the first line, about, and whether L is negative at DC."""
     declared = parts.fitted.integrators
     slope, phase = lowest_slope_and_phase(grid)
     if declared is None:
         expected = 90.0 * slope
-        off = _off(phase - expected)
-        if abs(off) > _OFF_SLOPE:
+        if abs(_off(phase - expected)) > _OFF_SLOPE:
             return (
                 f"the phase of L starts at {phase:+.0f}° where its slope of {20.0 * slope:+.0f} dB "
                 f"a decade goes with {expected:+.0f}°: inverted sign, or 360° off? check the "
                 "channels, or declare integrators and unstable_poles"
             )
-    else:
-        expected = -90.0 * (
-            declared + parts.controller.integrators * (parts.fitted.kind == "plant")
+        return expected, False
+    expected = -90.0 * declared
+    negative = bool(parts.fitted.unstable_poles) and abs(_off(phase - expected)) > 90.0
+    expected += 180.0 * negative
+    if abs(_off(phase - expected)) > _OFF_DECLARED:
+        return (
+            f"the phase of L starts at {phase:+.0f}° where its integrators give "
+            f"{expected:+.0f}°: inverted sign, or 360° off? check the channels, or the integrators "
+            "that are declared; measured as a plant, with its controller given, it needs no more"
         )
-        negative = bool(parts.fitted.unstable_poles) and abs(_off(phase - expected)) > 90.0
-        expected += 180.0 * negative
-        off = _off(phase - expected)
-        if abs(off) > 135.0:
-            return (
-                f"the phase of L starts at {phase:+.0f}° where its integrators give "
-                f"{expected:+.0f}°: inverted sign, or 360° off? check the channels, or the "
-                "integrators that are declared"
-            )
-        if negative:
-            return (expected - 180.0 + _off(around - expected)) / 360.0
-    return (expected + _off(around - expected)) / 360.0
+    return expected, negative
 
 
 def lowest_slope_and_phase(grid: LoopGrid) -> tuple[float, float]:

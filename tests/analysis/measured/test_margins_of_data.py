@@ -1,5 +1,7 @@
 """Margins of data against the exact ones of the model that the data were made from."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from measured_loops import complex_noise, of_one_error, random_loop
 from tiers import SLOW, some
 
 from jounce.analysis import MeasuredResponse, loop_margins
-from jounce.plant import PID, Controller
+from jounce.plant import PID, Axis, Controller, zero_order_hold
 
 COUNT = 12 if SLOW else 6
 MARGINS = (
@@ -183,3 +185,32 @@ def test_the_table_and_the_plain_data_hold_the_margins():
     assert f"{found.phase_margin_deg:.4g} ± " in str(found)
     assert found.as_dict()["phase_margin_deg"] == found.phase_margin_deg
     assert found.as_dict()["stable"] is True
+
+
+@pytest.mark.parametrize("declared", [None, 1, 2])
+def test_lines_from_above_the_corner_of_the_integral_on_are_enough(declared):
+    dt, viscous = 5e-4, 20.0 if declared == 1 else 0.0
+    plant = zero_order_hold(Axis(1.0, viscous=viscous).transfer(), dt, delay=dt)
+    omega = 2 * np.pi * 20.0
+    law = PID(omega / 2, omega**2 / 8, 1.0, derivative_filter=1 / (20 * omega))
+    controller = Controller(law, sample_time=dt)
+    unit = abs(loop_at(plant, controller, 20.0, dt))
+    for size, integral in ((1.0, 1.0), (1.0, 60.0), (20.0, 1.0)):
+        gains = np.array([law.kp, law.ki * integral, law.kr]) * size / unit
+        own = replace(
+            controller, law=replace(law, kp=float(gains[0]), ki=float(gains[1]), kr=float(gains[2]))
+        )
+        exact = loop_margins(control.series(plant, of_one_error(own)))
+        lines = np.arange(16.0, 700.0)
+        response = plant(np.exp(2j * np.pi * lines * dt))
+        frf = MeasuredResponse(lines, response, kind="plant", dt=dt, integrators=declared)
+        assert loop_margins(frf, controller=own).stable is exact.stable
+        inverted = replace(frf, response=-response)
+        told = loop_margins(inverted, controller=own)
+        assert told.stable is None
+        assert "inverted sign" in told.reasons[0]
+
+
+def loop_at(plant, controller, hertz, dt):
+    z = np.exp(2j * np.pi * hertz * dt)
+    return plant(z) * of_one_error(controller)(z)
