@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import inf, log, nan
 from types import MappingProxyType
 from typing import Literal
@@ -166,9 +167,13 @@ def exact_figures(
     loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
 ) -> Callable[[str], float]:
     """Return what gives each figure of a response, without the times of a picture, when asked."""
-    begin, duration = trajectory.start_time, _followed(loop, trajectory, move, poles)
-    found = _run(loop, trajectory, move, duration, np.array([begin, begin + duration]))
-    return lambda figure: _EXACT[figure](found, move, trajectory.duration)
+
+    @cache
+    def found() -> LoopResponse:
+        begin, duration = trajectory.start_time, _followed(loop, trajectory, move, poles)
+        return _run(loop, trajectory, move, duration, np.array([begin, begin + duration]))
+
+    return lambda figure: _EXACT[figure](found(), move, trajectory.duration)
 
 
 def _followed(loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles) -> float:

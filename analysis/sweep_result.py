@@ -98,6 +98,11 @@ class SweepResult:
         known = json.loads(self.dataset.attrs.get("requirements", "{}"))
         return {name: (low, high) for name, (low, high) in known.items()}
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether all points are done."""
+        return bool(self.dataset["done"].values.all())
+
     def failures(self) -> dict[int, str]:
         """Return the points that could not be surveyed, each with its reason."""
         reasons = self.dataset["failure"].values
@@ -211,7 +216,11 @@ class SweepResult:
     def swings(self, figure: str) -> dict[str, tuple[float, float]]:
         """Return the lowest and the highest mean of a figure over each parameter, the most first.
 
-        The mean is that of each value of a list, or each fifth of a range, all others varying.
+        Not the figure's own range with one parameter moved and all others held, as in the tornado
+        of a textbook, but that of its conditional means: over the points at each value of a list,
+        or in each fifth of a range, with all others varying. A parameter that acts only together
+        with others, or up as much as down, moves no mean: Sobol's total index shows it
+        (`influences`). Points that failed count in none.
         """
         values, found = self.values(figure), {}
         for name in self.parameters:

@@ -84,6 +84,10 @@ def check_command(
         bool, typer.Option("--all", help="Show what stayed the same, too.")
     ] = False,
     as_json: AS_JSON = False,
+    sweep: Annotated[
+        Path | None,
+        typer.Option(help="Judge the yield and the worst cases of this sweep (TOML) instead."),
+    ] = None,
     _: QUIET = False,
 ) -> None:
     """Compare loops' margins and moves with stored numbers and bounds; status 1 if worse.
@@ -95,6 +99,9 @@ def check_command(
 
     What is asked and given (plant, specification, moves with their limits, filter and
     tolerances, modes) must be as it was stored.
+
+    With --sweep so must be what varies. Its numbers and bounds lie beside the sweep file, in
+    SWEEP.baseline.json and SWEEP.check.toml.
     """
     from .gate.ci_reports import BadInput, github_error, tally
     from .gate.scenario_files import scenario_files
@@ -105,11 +112,12 @@ def check_command(
     outcomes: Outcomes = [BadInput(Path(scenarios[0]), "")]
     try:
         paths = scenario_files(scenarios)
-        _refuse_several(paths, files)
-        if STANDARD_INPUT in paths:
+        _refuse_several(paths, files, sweep)
+        if STANDARD_INPUT in paths and sweep is None:
             _refuse_without_files(files, update=update)
         given = read_overrides(overrides or ())
-        outcomes = [_outcome(path, files, given, update=update) for path in paths]
+        _refuse_overrides(given, sweep)
+        outcomes = [_outcome(path, files, given, update=update, sweep=sweep) for path in paths]
         written = _write(outcomes, files)
     except (ValueError, OSError) as error:
         _replace_junit([BadInput(each.path, message_of(error)) for each in outcomes], files)
@@ -129,9 +137,10 @@ def check_command(
         raise typer.Exit(CHECK_FAILED)
 
 
-def _refuse_several(paths: Sequence[Path], files: _Files) -> None:
-    """Refuse one baseline, or one check file, of several scenarios."""
-    for option, path in (("--baseline", files.baseline), ("--checks", files.checks)):
+def _refuse_several(paths: Sequence[Path], files: _Files, sweep: Path | None) -> None:
+    """Refuse one baseline, one check file, or one sweep, of several scenarios."""
+    given = ("--baseline", files.baseline), ("--checks", files.checks), ("--sweep", sweep)
+    for option, path in given:
         if path is not None and len(paths) > 1:
             raise ValueError(
                 f"{option} {path}: is of one scenario, and {len(paths)} are given; leave it out: "
@@ -147,21 +156,26 @@ def _refuse_without_files(files: _Files, *, update: bool) -> None:
         raise ValueError("--baseline -: standard input cannot be written; name a file")
 
 
+def _refuse_overrides(overrides: Mapping[str, Any], sweep: Path | None) -> None:
+    if sweep is not None and overrides:
+        raise ValueError(
+            f"--set {next(iter(overrides))}: is for the check of a scenario alone; with --sweep "
+            "write it into the scenario file, or into the sweep file as a list of one value"
+        )
+
+
 def _outcome(
-    path: Path, files: _Files, overrides: Mapping[str, Any], *, update: bool
+    path: Path, files: _Files, overrides: Mapping[str, Any], *, update: bool, sweep: Path | None
 ) -> GateReport | BadInput:
-    from .gate import check_scenario
+    from .gate import check_scenario, check_sweep
     from .gate.ci_reports import BadInput
     from .printing import message_of
 
+    at: dict[str, Any] = {"baseline": files.baseline, "checks": files.checks}
     try:
-        return check_scenario(
-            path,
-            baseline=files.baseline,
-            checks=files.checks,
-            update=update,
-            overrides=overrides,
-        )
+        if sweep is not None:
+            return check_sweep(path, sweep, **at, update=update)
+        return check_scenario(path, **at, update=update, overrides=overrides)
     except (ValueError, OSError) as error:
         return BadInput(path, message_of(error))
 

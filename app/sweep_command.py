@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +16,8 @@ from .printing import print_parts
 
 if TYPE_CHECKING:
     from .sweeps.result import ScenarioSweep
+
+_INTERRUPTED = 130
 
 
 def sweep_command(
@@ -41,19 +45,24 @@ def sweep_command(
     The folder has `sweep.zarr`, the dataset; `worst_….toml`, a scenario for each figure that
     reproduces its worst value; pictures.
     """
-    from .sweeps.run import sweep
+    from .sweeps.run import Stopped, sweep
     from .sweeps.sweep_file import read_sweep_file
 
     asked = read_sweep_file(sweep_file)
     output.mkdir(parents=True, exist_ok=True)
     client = _client(scheduler)
     try:
-        found = sweep(
-            scenario, **asked, output=output / "sweep.zarr", workers=workers, client=client
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Stopped)
+            found = sweep(
+                scenario, **asked, output=output / "sweep.zarr", workers=workers, client=client
+            )
     finally:
         if client is not None:
             client.close()
+    if not found.is_whole:
+        print(f"jounce: stopped: {found!r}; the same command goes on", file=sys.stderr)
+        raise typer.Exit(_INTERRUPTED)
     files = _write(found, output)
     if as_json:
         print_json(_answers(found))

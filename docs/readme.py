@@ -125,6 +125,7 @@ def benchmarks() -> str:
         "following",
         "response",
         "loops",
+        "sweeps",
         "margins",
         "explorer",
         "measured",

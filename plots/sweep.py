@@ -23,9 +23,9 @@ _DOTS = 4_000  # of a scatter; more are thinned evenly
 def plot_sweep(result: SweepResult, *, figure: Figure | None = None) -> Figure:
     """Return four pictures of a sweep's first figure.
 
-    Its histogram with the limits required; a tornado, over which range its mean moves with each
-    parameter; its values over the parameter that moves it most; and, of two parameters at least,
-    its contours over the first two of them.
+    Its histogram with the limits required; a tornado of conditional means, over which range its
+    mean moves with each parameter (`SweepResult.swings`); its values over the parameter that moves
+    it most; and, of two parameters at least, its contours over the first two of them.
 
     Parameters
     ----------
@@ -104,7 +104,8 @@ def _tornado(ax: Axes, result: SweepResult, name: str) -> None:
     ax.axvline(float(np.nanmean(result.values(name))), color=GREY, linestyle=":", label="mean")
     ax.margins(x=0.05)
     ax.set_yticks(range(len(swings)), [parameter for parameter, _ in swings])
-    finish(ax, "what moves the mean", f"mean {_label(result, name)}", "")
+    title = "conditional means over each parameter"
+    finish(ax, title, f"mean {_label(result, name)}, all else varying", "")
     ax.legend()
 
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .comparison import Row
     from .conditions import Change
     from .report import GateReport
+    from .sweep_check import check_sweep
 
 # Imported when they are first asked for, so that a command starts soon.
 _LATER = {
@@ -18,8 +19,9 @@ _LATER = {
     "GateReport": "report",
     "Row": "comparison",
     "check_scenario": "check",
+    "check_sweep": "sweep_check",
 }
 
-__all__ = ["Change", "CheckError", "GateReport", "Row", "check_scenario"]
+__all__ = ["Change", "CheckError", "GateReport", "Row", "check_scenario", "check_sweep"]
 
 __getattr__, __dir__ = later(__name__, _LATER, __all__)

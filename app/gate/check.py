@@ -70,9 +70,9 @@ def check_scenario(
             f"({'; '.join(scenario.overrides)}); write that into the file, or store nothing"
         )
     beside = baseline_beside(scenario.path)
-    stored_at = _there(baseline, beside, missing_is_fine=update)
-    checks_at = _there(checks, checks_beside(scenario.path))
-    missing = _missing(scenario.path, stored_at, checks_at, update=update)
+    stored_at = there(baseline, beside, missing_is_fine=update)
+    checks_at = there(checks, checks_beside(scenario.path))
+    missing = missing_baseline(scenario.path, stored_at, checks_at, update=update)
     stored = Baseline(scenario.title, scenario.position_unit, {}) if update else None
     changed: tuple[Change, ...] = ()
     unit_was = None
@@ -111,12 +111,8 @@ def _report(
         return GateReport(title, scenario.path, unit, (), unstable=" ".join(found.untold))
     numbers = survey_numbers(found)
     written = Checks() if checks_at is None else load_checks(checks_at, numbers)
-    if unit_was not in (None, unit) and any(map(is_position, written.requirements)):
-        raise CheckError(
-            f"{checks_at}: bounds positions in the scenario's unit, which was {unit_was} and is "
-            f'{unit}; write position_unit = "{unit_was}" into {scenario.path}, or the bounds in '
-            f"{unit} and store anew with --update"
-        )
+    if unit_was not in (None, unit):
+        refuse_bounded_positions(written, checks_at, scenario, unit_was)
     checks = with_bounds(written, bounds_of(found))
     measured = measured_baseline(
         numbers,
@@ -130,7 +126,20 @@ def _report(
     return GateReport(title, scenario.path, unit, rows, measured=measured)
 
 
-def _there(given: str | Path | None, beside: Path, *, missing_is_fine: bool = False) -> Path | None:
+def refuse_bounded_positions(
+    checks: Checks, at: Path | None, scenario: Scenario, unit_was: str | None
+) -> None:
+    """Refuse bounds of positions in a unit that is the scenario's no more."""
+    unit = scenario.position_unit
+    if any(map(is_position, checks.requirements)):
+        raise CheckError(
+            f"{at}: bounds positions in the scenario's unit, which was {unit_was} and is "
+            f'{unit}; write position_unit = "{unit_was}" into {scenario.path}, or the bounds in '
+            f"{unit} and store anew with --update"
+        )
+
+
+def there(given: str | Path | None, beside: Path, *, missing_is_fine: bool = False) -> Path | None:
     """Return the file to read, if any: the one given, or the one beside the scenario."""
     if given is None:
         return beside if beside.exists() else None
@@ -138,7 +147,7 @@ def _there(given: str | Path | None, beside: Path, *, missing_is_fine: bool = Fa
     return None if missing_is_fine and not path.exists() else path
 
 
-def _missing(
+def missing_baseline(
     scenario: Path, stored_at: Path | None, checks_at: Path | None, *, update: bool
 ) -> str:
     """Return what to say of a baseline that is missing, or nothing; CheckError if none may be."""

@@ -56,6 +56,8 @@ _POSITIONS: dict[str, tuple[str, ...]] = {
     "standstill": ("swing", "error"),
 }
 _REQUIRED = "requirements"
+WORST = "worst"
+"""What the worst figures of a sweep stand under."""
 _STEP: dict[str, Better] = {
     "overshoot_percent": "lower",
     "peak_time_s": None,
@@ -105,7 +107,7 @@ def absent(better: Better) -> float:
 
 def is_position(key: Key) -> bool:
     """Whether a number is a position or one of its derivatives, in the scenario's unit."""
-    if key[0] == _REQUIRED:
+    if key[0] in (_REQUIRED, WORST):
         return FIGURES[key[1].rpartition(".")[2]] in ("position", "compliance")
     if key in (("disturbance", "peak"), ("peaks", "compliance")):
         return True

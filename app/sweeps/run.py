@@ -5,7 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import signal
+import warnings
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +28,11 @@ if TYPE_CHECKING:
     import xarray
 
 _BATCHES = (4, 64)  # points that a worker takes at once, and that a kill may cost, by their count
+
+
+class Stopped(RuntimeWarning):
+    """A sweep was interrupted; what it returns has not all of its points."""
+
 
 Row = tuple[tuple[float, ...], str]
 
@@ -96,7 +104,8 @@ def sweep(
     Notes
     -----
     A point that cannot be surveyed, as its loop is unstable or its move cannot be planned, is
-    recorded with its reason, and nan in its figures. Ctrl-C keeps what is done.
+    recorded with its reason, and nan in its figures. Ctrl-C ends the sweep, not the script: what is
+    done is returned, with a warning.
     """
     path, known = Path(scenario), parameters_of(parameters)
     design, points = points_of(known, design, samples, seed)
@@ -110,12 +119,23 @@ def sweep(
     store = Store(dataset, None if output is None else Path(output), size)
     todo = store.missing()
     rows = _rows(problem, points, list(_batches(todo, size)), workers, client)
-    with shown_progress(len(points), len(points) - len(todo), progress) as advance:
-        for first, found in rows:
-            store.write(first, found)
-            advance(len(found))
+    done = len(points) - len(todo)
+    with shown_progress(len(points), done, progress) as advance, closing(rows):
+        try:
+            for first, found in rows:
+                store.write(first, found)
+                done += len(found)
+                advance(len(found))
+        except KeyboardInterrupt:
+            _tell_stopped(done, len(points), output)
+            return ScenarioSweep(store.dataset)
     store.finish()
     return ScenarioSweep(store.dataset)
+
+
+def _tell_stopped(done: int, points: int, output: str | Path | None) -> None:
+    kept = "with output=… the next one would go on" if output is None else "the same call goes on"
+    warnings.warn(f"stopped at {done} of {points} points; {kept}", Stopped, stacklevel=3)
 
 
 def _empty(
@@ -201,7 +221,7 @@ def _rows(
     batches: Sequence[range],
     workers: int | None,
     client: Any,
-) -> Iterator[tuple[int, list[Row]]]:
+) -> Generator[tuple[int, list[Row]]]:
     """Yield what was found in each batch, in the order in which they are done."""
     given = [(batch.start, [points[k] for k in batch]) for batch in batches]
     if client is not None:
@@ -230,13 +250,24 @@ def _by_processes(
     problem: Problem, given: Sequence[tuple[int, list[Point]]], count: int
 ) -> Iterator[tuple[int, list[Row]]]:
     from concurrent.futures import ProcessPoolExecutor, as_completed
+    from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+    pool = ProcessPoolExecutor(
+        count,
+        mp_context=get_context("spawn"),
+        initializer=signal.signal,  # Ctrl-C is for the process that waits
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
     try:
         waiting = [pool.submit(_work_there, problem, *batch) for batch in given]
         for done in as_completed(waiting):
             yield done.result()
+    except BrokenProcessPool:
+        raise ChildProcessError(
+            "a process of the sweep has died, as where memory runs out; the output keeps what is "
+            "done: go on with the same call, and fewer workers"
+        ) from None
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

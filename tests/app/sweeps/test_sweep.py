@@ -135,6 +135,74 @@ def done_in(folder: Path) -> int:
     return int(xarray.open_zarr(folder, chunks=None)["done"].values.sum())
 
 
+def test_a_stopped_sweep_returns_what_is_done_and_goes_on(axis, tmp_path, monkeypatch, run):
+    from jounce.app.sweeps.figures import Problem
+    from jounce.app.sweeps.run import Stopped
+
+    honest, seen = Problem.evaluate, []
+
+    def stopping(problem, values):
+        seen.append(values)
+        if len(seen) == 10:
+            raise KeyboardInterrupt
+        return honest(problem, values)
+
+    monkeypatch.setattr(Problem, "evaluate", stopping)
+    asked = {"figures": QUICK, "samples": 16, "workers": 1, "output": tmp_path / "out/sweep.zarr"}
+    with pytest.warns(Stopped, match="stopped at 8 of 16 points; the same call goes on"):
+        part = sweep(axis, INERTIA, **asked)
+    assert (part.is_whole, int(part.dataset["done"].sum())) == (False, 8)
+    assert part.met().points == 8
+    del seen[:]
+    (tmp_path / "sweep.toml").write_text(
+        f'figures = ["{QUICK[0]}", "{QUICK[1]}"]\nsamples = 16\n[parameters]\n'
+        'plant.inertia = { uniform = ["1.5 kg m^2", "2500 g m^2"] }\n',
+        encoding="utf-8",
+    )
+    command = ("sweep", axis, tmp_path / "sweep.toml", "--output", tmp_path / "out", "--workers", 1)
+    seen += [None] * 5
+    status, _, errors = run(*command)
+    assert status == 130
+    assert "12 of 16 points" in errors[0]
+    assert "the same command goes on" in errors[0]
+    seen += [None] * 99
+    assert run(*command)[0] == 0
+
+
+INTERRUPTED = """
+import signal, sys, warnings
+from jounce.app import Uniform, sweep
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    warnings.simplefilter("ignore")
+    found = sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=2048,
+                  figures=["phase_margin"], output=sys.argv[2], workers=2)
+    print(int(found.dataset["done"].sum()))
+"""
+
+
+@pytest.mark.slow
+def test_an_interrupt_of_all_its_processes_keeps_what_is_done(axis, tmp_path):
+    script, folder = tmp_path / "interrupted.py", tmp_path / "sweep.zarr"
+    script.write_text(INTERRUPTED, encoding="utf-8")
+    process = subprocess.Popen(
+        [sys.executable, script, axis, folder],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 120.0
+    while done_in(folder) < 64:
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    out, errors = process.communicate(timeout=60.0)
+    assert (process.returncode, errors) == (0, "")
+    assert 64 <= int(out) == done_in(folder) < 2048
+
+
 def test_another_sweep_is_not_mixed_in(axis, tmp_path):
     sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "a.zarr")
     with pytest.raises(ValueError, match="holds another sweep, of other points"):
