@@ -10,8 +10,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
-
+from . import cli as typer
 from .common_options import AS_JSON, QUIET
 from .standard_input import STANDARD_INPUT
 

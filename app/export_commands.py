@@ -6,12 +6,11 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from . import cli
 from .common_options import AS_JSON, QUIET, SCENARIO
 from .fmu_options import seconds
 
-export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
+export_app = cli.Commands("Blocks of a scenario as C for firmware.", "jounce export")
 
 
 class FirmwareChoice(StrEnum):
@@ -31,14 +30,14 @@ def export_c_command(
     scenario: SCENARIO,
     block: Annotated[
         FirmwareChoice,
-        typer.Option(
+        cli.Option(
             help="What to export; shaper: the follower, which keeps a move's limits on the way "
             "to any command; servo: the whole loop."
         ),
     ],
     output: Annotated[
         Path,
-        typer.Option(
+        cli.Option(
             "--output",
             "-o",
             help="Folder to write: new, empty or an earlier export, which is replaced.",
@@ -46,16 +45,14 @@ def export_c_command(
     ],
     move: Annotated[
         str | None,
-        typer.Option(help="Name of the move, of a block of a move. Default: the first."),
+        cli.Option(help="Name of the move, of a block of a move. Default: the first."),
     ] = None,
     name: Annotated[
-        str | None, typer.Option(help="What names in C begin with. Default: the block's.")
+        str | None, cli.Option(help="What names in C begin with. Default: the block's.")
     ] = None,
     sample_time: Annotated[
         str,
-        typer.Option(
-            help="Of what has none of its own: a continuous controller, follower, shaper."
-        ),
+        cli.Option(help="Of what has none of its own: a continuous controller, follower, shaper."),
     ] = "1 ms",
     as_json: AS_JSON = False,
     _: QUIET = False,

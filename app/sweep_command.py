@@ -5,12 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from . import cli as typer
 from .common_options import QUIET, SCENARIO
-from .json_output import print_json
 from .printing import print_parts
-from .tables import plain_table
 
 if TYPE_CHECKING:
     from .sweeps.result import ScenarioSweep
@@ -56,6 +53,8 @@ def sweep_command(
             client.close()
     files = _write(found, output)
     if as_json:
+        from .json_output import print_json
+
         print_json(_answers(found))
         return
     print_parts(*_told(found), f"Wrote {', '.join(sorted(files))} to {output}")
@@ -115,6 +114,8 @@ def _answers(found: ScenarioSweep) -> dict[str, Any]:
 def _told(found: ScenarioSweep) -> list[object]:
     """Return the tables of a sweep."""
     import numpy as np
+
+    from .tables import plain_table
 
     table = plain_table(
         f"{found.dataset.attrs['title']}: {found.dataset.sizes['point']} points",
