@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-import typer
+from . import cli
 
 
 class BlockChoice(StrEnum):
@@ -37,7 +37,7 @@ _SHAPER = (
 
 BLOCK_AS_FMU = Annotated[
     BlockChoice,
-    typer.Option(
+    cli.Option(
         "--block",
         help=f"What to export. {_SHAPER}; loop: all together, as an .ssp; servo: the same as one "
         "FMU.",
@@ -45,7 +45,7 @@ BLOCK_AS_FMU = Annotated[
 ]
 BLOCK_AS_C = Annotated[
     BlockChoice,
-    typer.Option("--block", help=f"What to export. {_SHAPER}; loop or servo: the whole loop."),
+    cli.Option("--block", help=f"What to export. {_SHAPER}; loop or servo: the whole loop."),
 ]
 
 

@@ -10,8 +10,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
-
+from . import cli
 from .common_options import AS_JSON, OVERRIDES, QUIET
 from .standard_input import STANDARD_INPUT
 
@@ -51,42 +50,42 @@ class _Files:
 def check_command(
     scenarios: Annotated[
         list[str],
-        typer.Argument(
+        cli.Argument(
             help="Scenario files (TOML), see examples/; patterns, 'axes/*.toml'; - is standard "
             "input."
         ),
     ],
     baseline: Annotated[
         Path | None,
-        typer.Option(help="Stored numbers (JSON). Default: SCENARIO.baseline.json."),
+        cli.Option(help="Stored numbers (JSON). Default: SCENARIO.baseline.json."),
     ] = None,
     checks: Annotated[
         Path | None,
-        typer.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
+        cli.Option(help="Bounds, tolerances (TOML). Default: SCENARIO.check.toml, if there."),
     ] = None,
     update: Annotated[
         bool,
-        typer.Option(
+        cli.Option(
             "--update", help="Store the numbers, in place of those before, if they keep the bounds."
         ),
     ] = False,
     overrides: OVERRIDES = None,
     junit: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             help="Write the outcome to this file, as JUnit XML; one that is there is replaced."
         ),
     ] = None,
     output: Annotated[
-        CheckFormat, typer.Option("--format", help="github: print annotations, too.")
+        CheckFormat, cli.Option("--format", help="github: print annotations, too.")
     ] = CheckFormat.TABLE,
     everything: Annotated[
-        bool, typer.Option("--all", help="Show what stayed the same, too.")
+        bool, cli.Option("--all", help="Show what stayed the same, too.")
     ] = False,
     as_json: AS_JSON = False,
     sweep: Annotated[
         Path | None,
-        typer.Option(help="Judge the yield and the worst cases of this sweep (TOML) instead."),
+        cli.Option(help="Judge the yield and the worst cases of this sweep (TOML) instead."),
     ] = None,
     _: QUIET = False,
 ) -> None:
@@ -132,9 +131,9 @@ def check_command(
         told = [tally(outcomes)] * (len(outcomes) > 1)
         print_parts(*told, *(f"Wrote {path}" for path in written))
     if any(isinstance(outcome, BadInput) for outcome in outcomes):
-        raise typer.Exit(BAD_INPUT)
+        raise cli.Exit(BAD_INPUT)
     if not all(outcome.passed for outcome in outcomes if not isinstance(outcome, BadInput)):
-        raise typer.Exit(CHECK_FAILED)
+        raise cli.Exit(CHECK_FAILED)
 
 
 def _refuse_several(paths: Sequence[Path], files: _Files, sweep: Path | None) -> None:

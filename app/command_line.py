@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -9,8 +10,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from . import cli
 from .check_command import CHECK_FAILED, check_command
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .completion import Shell, completion_script
@@ -20,7 +20,6 @@ from .fmu_commands import fmu_app
 from .frf_command import frf_command
 from .printing import message_of, print_parts, print_text
 from .sweep_command import sweep_command
-from .usage import USAGE_ERRORS, unknown_option, usage_message
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -33,18 +32,24 @@ if TYPE_CHECKING:
 
 BAD_INPUT = 2
 
-app = typer.Typer(
-    help="Command shaping with bounded derivatives, and surveys of servo loops.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+
+def _print_version() -> None:
+    from importlib.metadata import version
+
+    print_parts(f"jounce {version('jounce')}")
+
+
+app = cli.Commands(
+    "Command shaping with bounded derivatives, and surveys of servo loops.",
+    "jounce",
+    _print_version,
 )
 app.command("check")(check_command)
 app.command("explore")(explore_command)
 app.command("frf")(frf_command)
 app.command("sweep")(sweep_command)
-app.add_typer(fmu_app, name="fmu")
-app.add_typer(export_app, name="export")
+app.add(fmu_app)
+app.add(export_app)
 
 
 def main() -> None:
@@ -54,39 +59,20 @@ def main() -> None:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _warner()
-            raise SystemExit(app(prog_name="jounce", standalone_mode=False))
-    except USAGE_ERRORS as error:
-        told = usage_message(error)
-        if told:
-            print(f"jounce: {told}", file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
-    except typer.Abort:
+            app(sys.argv[1:])
+            sys.stdout.flush()
+    except cli.Exit as end:
+        raise SystemExit(end.status) from None
+    except KeyboardInterrupt:
+        raise SystemExit(CHECK_FAILED) from None
+    except BrokenPipeError:  # who reads has seen enough
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 (for Python to close at the end)
         raise SystemExit(CHECK_FAILED) from None
     except (ValueError, OSError) as error:
         from ..analysis.unstable_loop import UnstableLoopError
 
         _fail(error, CHECK_FAILED if isinstance(error, UnstableLoopError) else BAD_INPUT)
-
-
-def _print_version(asked: bool) -> None:
-    if asked:
-        from importlib.metadata import version
-
-        print_parts(f"jounce {version('jounce')}")
-        raise typer.Exit
-
-
-@app.callback()
-def _jounce(
-    *,
-    _: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
-        ),
-    ] = False,
-) -> None:
-    """Command shaping with bounded derivatives, and surveys of servo loops."""
+    raise SystemExit(0)
 
 
 @app.command("survey")
@@ -94,7 +80,7 @@ def survey_command(
     scenario: SCENARIO,
     output: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             "--output",
             "-o",
             help="Folder for survey.json, CSV and the picture; files of the same names are "
@@ -102,10 +88,10 @@ def survey_command(
         ),
     ] = None,
     details: Annotated[
-        bool, typer.Option("--details", help="With --output: a second page with the details, too.")
+        bool, cli.Option("--details", help="With --output: a second page with the details, too.")
     ] = False,
     pdf: Annotated[
-        bool, typer.Option("--pdf", help="With --output: the pictures as PDF, too.")
+        bool, cli.Option("--pdf", help="With --output: the pictures as PDF, too.")
     ] = False,
     overrides: OVERRIDES = None,
     as_json: AS_JSON = False,
@@ -131,7 +117,7 @@ def survey_command(
     else:
         print_parts(*found.page(), *written)
     if not all(check.met for check in found.requirements):
-        raise typer.Exit(CHECK_FAILED)
+        raise cli.Exit(CHECK_FAILED)
 
 
 def _write_survey(
@@ -147,7 +133,7 @@ def _write_survey(
 def schema_command(
     number: Annotated[
         str,
-        typer.Option("--format", metavar="INTEGER", help="Format of the scenario files: 2, or 1."),
+        cli.Option("--format", metavar="INTEGER", help="Format of the scenario files: 2, or 1."),
     ] = "2",
     _: AS_JSON = False,
     __: QUIET = False,
@@ -162,7 +148,7 @@ def schema_command(
 
 @app.command("completion")
 def completion_command(
-    shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")],
+    shell: Annotated[Shell, cli.Argument(help="bash, zsh or fish.")],
     as_json: AS_JSON = False,
     _: QUIET = False,
 ) -> None:
@@ -174,9 +160,7 @@ def completion_command(
 
     fish: jounce completion fish > ~/.config/fish/completions/jounce.fish
     """
-    from typer.main import get_command
-
-    script = completion_script(get_command(app), shell)
+    script = completion_script(app, shell)
     if as_json:
         from .json_output import print_json
 
@@ -185,72 +169,70 @@ def completion_command(
     print_text(script)
 
 
-# Without ignore_unknown_options a negative distance would pass for an option.
-@app.command("plan", context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
+@app.command("plan")
 def plan_command(
-    context: typer.Context,
     distance: Annotated[
-        str | None, typer.Argument(help='Such as "60 arcsec" or "-2 mm"; or give --to.')
+        list[str] | None, cli.Argument(help='Such as "60 arcsec" or "-2 mm"; or give --to.')
     ] = None,
-    velocity: Annotated[str | None, typer.Option(help='Such as "1 deg/s".')] = None,
+    velocity: Annotated[str | None, cli.Option(help='Such as "1 deg/s".')] = None,
     acceleration: Annotated[
         str | None,
-        typer.Option(help='Such as "0.2 deg/s^2", or "-0.1 deg/s^2, 0.2 deg/s^2" for each way.'),
+        cli.Option(help='Such as "0.2 deg/s^2", or "-0.1 deg/s^2, 0.2 deg/s^2" for each way.'),
     ] = None,
-    jerk: Annotated[str | None, typer.Option(help='Such as "2 deg/s^3".')] = None,
-    snap: Annotated[str | None, typer.Option(help='Such as "20 deg/s^4".')] = None,
-    crackle: Annotated[str | None, typer.Option(help='Such as "200 deg/s^5".')] = None,
-    pop: Annotated[str | None, typer.Option(help='Such as "76.8 deg/s^6".')] = None,
+    jerk: Annotated[str | None, cli.Option(help='Such as "2 deg/s^3".')] = None,
+    snap: Annotated[str | None, cli.Option(help='Such as "20 deg/s^4".')] = None,
+    crackle: Annotated[str | None, cli.Option(help='Such as "200 deg/s^5".')] = None,
+    pop: Annotated[str | None, cli.Option(help='Such as "76.8 deg/s^6".')] = None,
     limit: Annotated[
         list[str] | None,
-        typer.Option(help='Any derivative, such as "7=2e4 deg/s^7"; may be repeated.'),
+        cli.Option(help='Any derivative, such as "7=2e4 deg/s^7"; may be repeated.'),
     ] = None,
     rise_time: Annotated[
         str | None,
-        typer.Option(help="Rise time of the acceleration, in place of the highest limit."),
+        cli.Option(help="Rise time of the acceleration, in place of the highest limit."),
     ] = None,
     order: Annotated[
         str | None,
-        typer.Option(metavar="INTEGER", help="Derivative that the rise time bounds: 6 for pop."),
+        cli.Option(metavar="INTEGER", help="Derivative that the rise time bounds: 6 for pop."),
     ] = None,
     start: Annotated[
-        str | None, typer.Option("--from", "--start", help="Position at the start.")
+        str | None, cli.Option("--from", "--start", help="Position at the start.")
     ] = None,
-    to: Annotated[str | None, typer.Option(help="Position at the end, for a distance.")] = None,
+    to: Annotated[str | None, cli.Option(help="Position at the end, for a distance.")] = None,
     deceleration: Annotated[
         str | None,
-        typer.Option(
+        cli.Option(
             "--deceleration", "--decel", help="S-curve: largest acceleration while slowing down."
         ),
     ] = None,
     deceleration_jerk: Annotated[
-        str | None, typer.Option(help="S-curve: largest jerk while slowing down.")
+        str | None, cli.Option(help="S-curve: largest jerk while slowing down.")
     ] = None,
     jerk_percent: Annotated[
         str | None,
-        typer.Option(help='S-curve: share of each ramp with jerk, such as "50 %", for a jerk.'),
+        cli.Option(help='S-curve: share of each ramp with jerk, such as "50 %", for a jerk.'),
     ] = None,
     percent_keeps: Annotated[
         str | None,
-        typer.Option(help="S-curve: what a jerk percent keeps, duration or acceleration."),
+        cli.Option(help="S-curve: what a jerk percent keeps, duration or acceleration."),
     ] = None,
     closed_form: Annotated[
         bool,
-        typer.Option("--closed-form", help="From order 4 on: few pieces, but slower than need be."),
+        cli.Option("--closed-form", help="From order 4 on: few pieces, but slower than need be."),
     ] = False,
     certify: Annotated[
-        bool, typer.Option("--certify", help="Prove how near the move is to the minimum time.")
+        bool, cli.Option("--certify", help="Prove how near the move is to the minimum time.")
     ] = False,
     pieces: Annotated[
-        bool, typer.Option("--pieces", help="Print the switch table from order 4 on, too.")
+        bool, cli.Option("--pieces", help="Print the switch table from order 4 on, too.")
     ] = False,
     csv: Annotated[
         Path | None,
-        typer.Option(help="Write the switch table to this file; one that is there is replaced."),
+        cli.Option(help="Write the switch table to this file; one that is there is replaced."),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             help="Draw the move to this file (.png, .pdf, .svg); one that is there is replaced."
         ),
     ] = None,
@@ -266,7 +248,7 @@ def plan_command(
     from .plan_report import certificate_table, excess_text, plan_tables
     from .plan_s_curve import SCurveText, plan_s_curve
 
-    _refuse_extra([distance or "", *context.args], context)
+    asked = _one_distance(distance or ())
     rates = SCurveText(
         velocity, acceleration, deceleration, jerk, deceleration_jerk, jerk_percent, percent_keeps
     )
@@ -276,13 +258,13 @@ def plan_command(
             | {"--rise-time": rise_time, "--order": order, "--closed-form": closed_form}
             | {"--certify": certify}
         )
-        plan = plan_s_curve(distance, rates, start=start, to=to)
+        plan = plan_s_curve(asked, rates, start=start, to=to)
     else:
         bounds = _bounds((velocity, acceleration, jerk, snap, crackle, pop), limit)
         method: Method = "closed-form" if closed_form else "optimal"
         bounded = None if order is None else _order(order)
         plan = plan_move(
-            distance, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
+            asked, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
         )
     proofs: list[Table | str] = []
     certificate = _certificate(plan) if certify else None
@@ -309,16 +291,14 @@ def _certificate(plan: Plan) -> Certificate:
     return certify(plan.trajectory, plan.limits)
 
 
-def _refuse_extra(words: list[str], context: typer.Context) -> None:
-    """Refuse all words but the first, and the first where it is a misspelt option."""
-    unknown = next((word for word in words if word.startswith("--")), None)
-    if unknown is not None:
-        raise ValueError(unknown_option(unknown, context))
+def _one_distance(words: Sequence[str]) -> str | None:
+    """Return the distance; ValueError where several words look like one."""
     if len(words) > 1:
         raise ValueError(
             f"unexpected {words[1]!r} behind the distance {words[0]!r}: write each quantity in "
             'quotation marks, such as "60 arcsec"'
         )
+    return next(iter(words), None)
 
 
 def _refuse_beside_s_curve(options: Mapping[str, object]) -> None:

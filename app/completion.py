@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import EnumType, StrEnum
-from inspect import unwrap
-from typing import Any, get_type_hints
+from enum import StrEnum
+
+from .cli import Command, Commands, Parameter, all_commands
 
 
 class Shell(StrEnum):
@@ -62,113 +62,89 @@ autoload -U +X bashcompinit && bashcompinit
 
 
 @dataclass(frozen=True)
-class _Option:
-    names: tuple[str, ...]
-    help: str
-    takes_value: bool
-    choices: tuple[str, ...]
+class _Place:
+    """What may stand behind the words that call a command, or commands.
 
-
-@dataclass(frozen=True)
-class _Command:
-    """A command by the words that call it, after the program's own name.
-
-    What may stand behind it is `below` (of a group) or `values` (in the place of files).
+    Attributes
+    ----------
+    key : str
+        The words, after the program's own name, each behind a space.
+    help : str
+    options : tuple of Parameter
+    words : tuple of str
+        What may stand there besides options, in the place of files.
     """
 
-    words: tuple[str, ...]
+    key: str
     help: str
-    options: tuple[_Option, ...]
-    below: tuple[str, ...]
-    values: tuple[str, ...]
+    options: tuple[Parameter, ...]
+    words: tuple[str, ...]
 
     @property
-    def key(self) -> str:
-        return "".join(f" {word}" for word in self.words)
+    def all_words(self) -> str:
+        names = (name for option in self.options for name in (*option.names, *option.off))
+        return " ".join((*self.words, *names, "--help"))
 
 
-def completion_script(root: Any, shell: Shell) -> str:
+def completion_script(root: Commands, shell: Shell) -> str:
     """Return what a shell has to read so that it completes the commands of a program.
 
     Files are completed as ever where a file may stand. No Python is run at a press of the key.
-
-    Parameters
-    ----------
-    root : click.Group
-        As `typer.main.get_command` gives it.
-    shell : Shell
     """
-    commands = list(_commands(root, ()))
+    places = [_place(each, len(root.path)) for each in all_commands(root)]
     if shell is Shell.FISH:
-        return "".join(_fish(commands))
-    return (_ZSH if shell is Shell.ZSH else "") + _bash(commands)
+        return "".join(_fish(places))
+    return (_ZSH if shell is Shell.ZSH else "") + _bash(places)
 
 
-def _commands(command: Any, words: tuple[str, ...]) -> Iterator[_Command]:
-    below = getattr(command, "commands", {})
-    hints = get_type_hints(unwrap(command.callback)) if command.callback else {}
-    arguments = [each for each in command.params if each.param_type_name == "argument"]
-    options = [_option(each, hints) for each in command.params if each not in arguments]
-    values = [value for each in arguments for value in _choices(hints.get(each.name))]
-    told = str(command.help or "").partition("\n")[0].translate(_PLAIN)
-    yield _Command(words, told, (*options, _HELP), tuple(below), tuple(values))
-    for name, each in below.items():
-        yield from _commands(each, (*words, name))
+def _place(of: Command | Commands, start: int) -> _Place:
+    told = of.help.partition("\n")[0].translate(_PLAIN)
+    if isinstance(of, Commands):
+        return _Place(of.path[start:], told, (), tuple(of.inner))
+    options = tuple(each for each in of.parameters if each.names)
+    words = tuple(word for each in of.parameters if not each.names for word in each.choices)
+    return _Place(of.path[start:], told, options, words)
 
 
-def _option(param: Any, hints: Mapping[str, Any]) -> _Option:
-    names = (*param.opts, *param.secondary_opts)
-    told = str(param.help or "").partition(". ")[0].translate(_PLAIN)
-    return _Option(names, told, not param.is_flag, _choices(hints.get(param.name)))
+def _takes_value(option: Parameter) -> bool:
+    return option.kind is not bool
 
 
-_HELP = _Option(("--help",), "Show this message and exit.", False, ())
-
-
-def _choices(kind: Any) -> tuple[str, ...]:
-    members: Iterable[Any] = kind if isinstance(kind, EnumType) else ()
-    return tuple(str(each.value) for each in members)
-
-
-def _bash(commands: list[_Command]) -> str:
-    asked = [(c, option) for c in commands for option in c.options if option.takes_value]
+def _bash(places: list[_Place]) -> str:
+    asked = [(p.key, o) for p in places for o in p.options if _takes_value(o)]
     return _BASH.format(
-        commands="|".join(f'"{c.key}"' for c in commands if c.words),
-        groups="|".join(c.key for c in commands if c.below or c.values),
-        valued="|".join(f'"{c.key} {n}"' for c, o in asked if not o.choices for n in o.names),
-        choices="\n".join(_bash_choices(c, o) for c, o in asked if o.choices),
-        words="\n".join(f'        "{c.key}") words="{" ".join(_words(c))}" ;;' for c in commands),
+        commands="|".join(f'"{p.key}"' for p in places if p.key),
+        groups="|".join(p.key for p in places if p.words),
+        valued="|".join(f'"{key} {n}"' for key, o in asked if not o.choices for n in o.names),
+        choices="\n".join(_bash_choices(key, o) for key, o in asked if o.choices),
+        words="\n".join(f'        "{p.key}") words="{p.all_words}" ;;' for p in places),
     )
 
 
-def _bash_choices(command: _Command, option: _Option) -> str:
-    places = "|".join(f'"{command.key} {name}"' for name in option.names)
+def _bash_choices(key: str, option: Parameter) -> str:
+    found = "|".join(f'"{key} {name}"' for name in option.names)
     words = " ".join(option.choices)
-    return f'        {places}) COMPREPLY=($(compgen -W "{words}" -- "$word")); return ;;'
+    return f'        {found}) COMPREPLY=($(compgen -W "{words}" -- "$word")); return ;;'
 
 
-def _words(command: _Command) -> list[str]:
-    names = (name for option in command.options for name in option.names)
-    return [*command.below, *command.values, *names]
+def _fish(places: list[_Place]) -> Iterator[str]:
+    yield _FISH.format(commands=" ".join(f"'{p.key}'" for p in places if p.key))
+    told = {p.key: p.help for p in places}
+    for p in places:
+        here = f"complete -c jounce -n \"__jounce_in '{p.key}'\""
+        for word in p.words:
+            yield f"{here} -f -a {word} -d '{told.get(f'{p.key} {word}', '')}'\n"
+        for option in p.options:
+            text = option.told.help.partition(". ")[0].translate(_PLAIN)
+            yield f"{here} {_fish_option(option)} -d '{text}'\n"
+        yield f"{here} -l help -d 'Show this message and exit.'\n"
 
 
-def _fish(commands: list[_Command]) -> Iterator[str]:
-    yield _FISH.format(commands=" ".join(f"'{c.key}'" for c in commands if c.words))
-    for c in commands:
-        here = f"complete -c jounce -n \"__jounce_in '{c.key}'\""
-        for name in c.below:
-            told = next(b.help for b in commands if b.words == (*c.words, name))
-            yield f"{here} -f -a {name} -d '{told}'\n"
-        if c.values:
-            yield f"{here} -f -a '{' '.join(c.values)}'\n"
-        for option in c.options:
-            yield f"{here} {_fish_option(option)} -d '{option.help}'\n"
-
-
-def _fish_option(option: _Option) -> str:
-    words = [f"-l {n[2:]}" if n.startswith("--") else f"-s {n[1:]}" for n in option.names]
+def _fish_option(option: Parameter) -> str:
+    names = (*option.names, *option.off)
+    words = [f"-l {n[2:]}" if n.startswith("--") else f"-s {n[1:]}" for n in names]
     if option.choices:
         words.append(f"-x -a '{' '.join(option.choices)}'")
-    elif option.takes_value:
+    elif _takes_value(option):
         words.append("-r")
     return " ".join(words)

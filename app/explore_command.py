@@ -5,26 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from . import cli
 from .common_options import AS_JSON, QUIET, SCENARIO
 from .printing import print_parts
 
 
 def explore_command(
     scenario: SCENARIO,
-    frf: Annotated[
-        Path | None, typer.Option(help="Measured response to lay over the model.")
-    ] = None,
+    frf: Annotated[Path | None, cli.Option(help="Measured response to lay over the model.")] = None,
     kind: Annotated[
         str,
-        typer.Option(
+        cli.Option(
             help="What it is of: plant, loop, sensitivity, process-sensitivity, complementary."
         ),
     ] = "plant",
-    port: Annotated[int, typer.Option(help="Port on this machine; any that is free.")] = 0,
-    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
-    stay: Annotated[bool, typer.Option("--stay", help="Go on when the page is closed.")] = False,
+    port: Annotated[int, cli.Option(help="Port on this machine; any that is free.")] = 0,
+    browser: Annotated[bool, cli.Option(help="Open the page in the browser.")] = True,
+    stay: Annotated[bool, cli.Option("--stay", help="Go on when the page is closed.")] = False,
     as_json: AS_JSON = False,
     _: QUIET = False,
 ) -> None:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from . import cli
 from .block_choice import BLOCK_AS_C, check_move
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import seconds
 
-export_app = typer.Typer(help="Blocks of a scenario as C for firmware.", no_args_is_help=True)
+export_app = cli.Commands("Blocks of a scenario as C for firmware.", "jounce export")
 
 
 @export_app.command("c")
@@ -20,7 +19,7 @@ def export_c_command(
     block: BLOCK_AS_C,
     output: Annotated[
         Path,
-        typer.Option(
+        cli.Option(
             "--output",
             "-o",
             help="Folder to write: new, empty or an earlier export, which is replaced.",
@@ -28,16 +27,14 @@ def export_c_command(
     ],
     move: Annotated[
         str | None,
-        typer.Option(help="Name of the move, of a block of a move. Default: the first."),
+        cli.Option(help="Name of the move, of a block of a move. Default: the first."),
     ] = None,
     name: Annotated[
-        str | None, typer.Option(help="What names in C begin with. Default: the block's.")
+        str | None, cli.Option(help="What names in C begin with. Default: the block's.")
     ] = None,
     sample_time: Annotated[
         str,
-        typer.Option(
-            help="Of what has none of its own: a continuous controller, follower, shaper."
-        ),
+        cli.Option(help="Of what has none of its own: a continuous controller, follower, shaper."),
     ] = "1 ms",
     overrides: OVERRIDES = None,
     as_json: AS_JSON = False,

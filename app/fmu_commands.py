@@ -7,17 +7,15 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
+from . import cli
 from .block_choice import BLOCK_AS_FMU, BlockChoice, check_move
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
 from .fmu_run import run_command
 from .standard_input import STANDARD_INPUT, file_of
 
-fmu_app = typer.Typer(
-    help="FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.",
-    no_args_is_help=True,
+fmu_app = cli.Commands(
+    "FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.", "jounce fmu"
 )
 
 
@@ -34,12 +32,12 @@ def export_command(
     block: BLOCK_AS_FMU,
     move: Annotated[
         str | None,
-        typer.Option(help="Name of the move, of a block of a move. Default: the first."),
+        cli.Option(help="Name of the move, of a block of a move. Default: the first."),
     ] = None,
-    fmi: Annotated[FmiVersion, typer.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
+    fmi: Annotated[FmiVersion, cli.Option(help="Version of FMI.")] = FmiVersion.FMI_2,
     output: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             "--output",
             "-o",
             help="File to write; one that is there is replaced. Default: SCENARIO_BLOCK.fmu.",
@@ -47,11 +45,11 @@ def export_command(
     ] = None,
     sample_time: Annotated[
         str,
-        typer.Option(help="Of what has none of its own: a continuous controller, the follower."),
+        cli.Option(help="Of what has none of its own: a continuous controller, the follower."),
     ] = "1 ms",
     platform: Annotated[
         list[str] | None,
-        typer.Option(
+        cli.Option(
             help="host, x86_64-linux, x86_64-windows, … or none (sources only); may be repeated. "
             "Default: the host's, and with ziglang Linux and Windows."
         ),
@@ -101,11 +99,11 @@ def export_command(
 def inspect_command(
     file: Annotated[
         Path,
-        typer.Argument(help="FMU, FMI 2.0 or 3.0, or SSP; file, folder, or - for standard input."),
+        cli.Argument(help="FMU, FMI 2.0 or 3.0, or SSP; file, folder, or - for standard input."),
     ],
-    local: Annotated[bool, typer.Option("--local", help="Show local variables, too.")] = False,
+    local: Annotated[bool, cli.Option("--local", help="Show local variables, too.")] = False,
     max_size: Annotated[
-        str | None, typer.Option(help="What the file may unpack to, such as '4 GB'.")
+        str | None, cli.Option(help="What the file may unpack to, such as '4 GB'.")
     ] = None,
     as_json: AS_JSON = False,
     _: QUIET = False,

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from . import cli
 from .common_options import AS_JSON, QUIET
 from .standard_input import file_of
 
@@ -29,66 +28,64 @@ _NEARLY = 1e-9
 def run_command(
     file: Annotated[
         Path,
-        typer.Argument(
+        cli.Argument(
             help="FMU for co-simulation, FMI 2.0 or 3.0, or SSP; file, folder, or - for standard "
             "input."
         ),
     ],
     duration: Annotated[
-        str | None, typer.Option(help="In seconds, or such as '20 ms'. Default: to the stop time.")
+        str | None, cli.Option(help="In seconds, or such as '20 ms'. Default: to the stop time.")
     ] = None,
     step: Annotated[
-        str | None, typer.Option(help="In seconds, or such as '1 ms'. Default: the FMU's own.")
+        str | None, cli.Option(help="In seconds, or such as '1 ms'. Default: the FMU's own.")
     ] = None,
     setting: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Parameter or input, name=value; may be repeated."),
+        cli.Option("--set", help="Parameter or input, name=value; may be repeated."),
     ] = None,
     inputs: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             "--input",
             help="CSV file: time, then inputs by name. A unit in brackets may follow; - is "
             "standard input.",
         ),
     ] = None,
     record: Annotated[
-        list[str] | None, typer.Option(help="Variable to show, too; may be repeated.")
+        list[str] | None, cli.Option(help="Variable to show, too; may be repeated.")
     ] = None,
     csv: Annotated[
         Path | None,
-        typer.Option(help="Write all signals to this file; one that is there is replaced."),
+        cli.Option(help="Write all signals to this file; one that is there is replaced."),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
+        cli.Option(
             help="Draw the outputs to this file (.png, .pdf, .svg); one that is there is replaced."
         ),
     ] = None,
     stop_time: Annotated[
         str | None,
-        typer.Option(help="End of the run, told to the FMU. Default: its own, not told."),
+        cli.Option(help="End of the run, told to the FMU. Default: its own, not told."),
     ] = None,
     tolerance: Annotated[
         str | None,
-        typer.Option(
-            metavar="FLOAT", help="Of the FMU's solver, relative. Default: the FMU's own."
-        ),
+        cli.Option(metavar="FLOAT", help="Of the FMU's solver, relative. Default: the FMU's own."),
     ] = None,
     log: Annotated[
-        bool, typer.Option("--log", help="Print what the FMU logs, as errors are printed.")
+        bool, cli.Option("--log", help="Print what the FMU logs, as errors are printed.")
     ] = False,
     isolated: Annotated[
-        bool, typer.Option(help="Run FMUs in processes of their own, which may crash.")
+        bool, cli.Option(help="Run FMUs in processes of their own, which may crash.")
     ] = True,
     timeout: Annotated[
-        str, typer.Option(help="The longest that a call of an isolated FMU may take.")
+        str, cli.Option(help="The longest that a call of an isolated FMU may take.")
     ] = "60 s",
     max_size: Annotated[
-        str | None, typer.Option(help="What the file may unpack to, such as '4 GB'.")
+        str | None, cli.Option(help="What the file may unpack to, such as '4 GB'.")
     ] = None,
     sha256: Annotated[
-        str | None, typer.Option(help="What the file must be, or none of it is run.")
+        str | None, cli.Option(help="What the file must be, or none of it is run.")
     ] = None,
     as_json: AS_JSON = False,
     _: QUIET = False,

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from . import cli
 from .common_options import QUIET
 from .printing import print_parts
 from .standard_input import file_of
@@ -20,44 +18,44 @@ UNSTABLE = 1
 
 def frf_command(
     file: Annotated[
-        Path, typer.Argument(help="Measured response: CSV, UFF 58, .mat; - is standard input.")
+        Path, cli.Argument(help="Measured response: CSV, UFF 58, .mat; - is standard input.")
     ],
     kind: Annotated[
         str,
-        typer.Option(
+        cli.Option(
             help="What it is of: plant, loop, sensitivity, process-sensitivity, complementary."
         ),
     ],
     controller: Annotated[
         Path | None,
-        typer.Option(help="Scenario file (TOML) whose controller closes the loop on a plant."),
+        cli.Option(help="Scenario file (TOML) whose controller closes the loop on a plant."),
     ] = None,
     output: Annotated[
-        str, typer.Option(help="Of a plant: position, velocity or acceleration.")
+        str, cli.Option(help="Of a plant: position, velocity or acceleration.")
     ] = "position",
     columns: Annotated[
-        str | None, typer.Option(help='A name for each column, such as "Hz,dB,deg,-".')
+        str | None, cli.Option(help='A name for each column, such as "Hz,dB,deg,-".')
     ] = None,
-    frequency_unit: Annotated[str | None, typer.Option(help="Hz, kHz or rad/s.")] = None,
+    frequency_unit: Annotated[str | None, cli.Option(help="Hz, kHz or rad/s.")] = None,
     averages: Annotated[
         str | None,
-        typer.Option(metavar="INTEGER", help="Independent averages behind the coherence."),
+        cli.Option(metavar="INTEGER", help="Independent averages behind the coherence."),
     ] = None,
     dt: Annotated[
-        str | None, typer.Option(help='Sample time, such as "2 ms"; in seconds without a unit.')
+        str | None, cli.Option(help='Sample time, such as "2 ms"; in seconds without a unit.')
     ] = None,
     integrators: Annotated[
         str | None,
-        typer.Option(metavar="INTEGER", help="In what was measured; default: by slope and phase."),
+        cli.Option(metavar="INTEGER", help="In what was measured; default: by slope and phase."),
     ] = None,
     unstable_poles: Annotated[
-        str | None, typer.Option(metavar="INTEGER", help="Of the plant.")
+        str | None, cli.Option(metavar="INTEGER", help="Of the plant.")
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(help="Draw to this file (.png, .pdf, .svg); one that is there is replaced."),
+        cli.Option(help="Draw to this file (.png, .pdf, .svg); one that is there is replaced."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    as_json: Annotated[bool, cli.Option("--json", help="Print the numbers as JSON.")] = False,
     _: QUIET = False,
 ) -> None:
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
@@ -83,19 +81,21 @@ def frf_command(
             unstable_poles=whole_number("--unstable-poles", unstable_poles, 0, 1),
         )
     law = None if controller is None else _controller_of(controller)
-    if measured.kind == "plant" and law is None:
-        print_parts(_plant_text(measured, as_json=as_json))
-        _draw(measured, law, plot, quiet=as_json)
-        return
-    margins = measured_margins(measured, law)
+    margins = None
+    if measured.kind != "plant" or law is not None:
+        margins = measured_margins(measured, law)
     if as_json:
-        print(json.dumps(margins.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
+        from .json_output import print_json
+
+        print_json(_plant_data(measured) if margins is None else margins.as_dict())
+    elif margins is None:
+        print_parts(_plant_text(measured))
     else:
         print_parts(*margins_report(measured, margins))
         print_parts(*(f"note: {warning}" for warning in margins.warnings))
     _draw(measured, law, plot, quiet=as_json)
-    if margins.stable is False:
-        raise typer.Exit(UNSTABLE)
+    if margins is not None and margins.stable is False:
+        raise cli.Exit(UNSTABLE)
 
 
 def _controller_of(path: Path) -> Any:
@@ -109,11 +109,13 @@ def _controller_of(path: Path) -> Any:
     return servo_loop_of(scenario).controller
 
 
-def _plant_text(measured: MeasuredResponse, *, as_json: bool) -> str:
-    fitted = measured.fits
-    misfit = float(sorted(fitted.curves.misfit)[len(fitted.curves.misfit) // 2])
-    if as_json:
-        return json.dumps({"lines": len(measured.frequency_hz), "misfit": misfit})
+def _plant_data(measured: MeasuredResponse) -> dict[str, Any]:
+    misfits = sorted(measured.fits.curves.misfit)
+    return {"lines": len(measured.frequency_hz), "misfit": float(misfits[len(misfits) // 2])}
+
+
+def _plant_text(measured: MeasuredResponse) -> str:
+    misfit = _plant_data(measured)["misfit"]
     return (
         f"{measured!r}\nscatter off smooth curves: {misfit:.3g} times what the error bars say "
         "(mean square); give --controller for the margins of a loop"

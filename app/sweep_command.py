@@ -7,11 +7,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from ..analysis.tables import plain_table
+from . import cli
 from .common_options import QUIET, SCENARIO
-from .json_output import print_json
 from .printing import print_parts
 
 if TYPE_CHECKING:
@@ -23,21 +20,21 @@ _INTERRUPTED = 130
 def sweep_command(
     scenario: SCENARIO,
     sweep_file: Annotated[
-        Path, typer.Argument(help="What varies, how it is sampled, what is kept (TOML).")
+        Path, cli.Argument(help="What varies, how it is sampled, what is kept (TOML).")
     ],
     output: Annotated[
         Path,
-        typer.Option(
+        cli.Option(
             "--output",
             "-o",
             help="Folder; a sweep that was stopped goes on, pictures are replaced.",
         ),
     ],
-    workers: Annotated[int | None, typer.Option(help="Processes. Default: all processors.")] = None,
+    workers: Annotated[int | None, cli.Option(help="Processes. Default: all processors.")] = None,
     scheduler: Annotated[
-        str | None, typer.Option(help="A Dask cluster, such as tcp://10.0.0.1:8786.")
+        str | None, cli.Option(help="A Dask cluster, such as tcp://10.0.0.1:8786.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON.")] = False,
+    as_json: Annotated[bool, cli.Option("--json", help="Print the answers as JSON.")] = False,
     _: QUIET = False,
 ) -> None:
     """Sweep a scenario: figures at many values of its keys, worst cases, yield, influences.
@@ -62,9 +59,11 @@ def sweep_command(
             client.close()
     if not found.is_whole:
         print(f"jounce: stopped: {found!r}; the same command goes on", file=sys.stderr)
-        raise typer.Exit(_INTERRUPTED)
+        raise cli.Exit(_INTERRUPTED)
     files = _write(found, output)
     if as_json:
+        from .json_output import print_json
+
         print_json(_answers(found))
         return
     print_parts(*_told(found), f"Wrote {', '.join(sorted(files))} to {output}")
@@ -124,6 +123,8 @@ def _answers(found: ScenarioSweep) -> dict[str, Any]:
 def _told(found: ScenarioSweep) -> list[object]:
     """Return the tables of a sweep."""
     import numpy as np
+
+    from .tables import plain_table
 
     table = plain_table(
         f"{found.dataset.attrs['title']}: {found.dataset.sizes['point']} points",

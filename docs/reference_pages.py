@@ -49,11 +49,10 @@ def _package_page(package: str, about: str) -> str:
 
 def command_line_page() -> str:
     """Return the page of every command with its arguments and options."""
-    from typer.main import get_command
-
+    from jounce.app.cli import Command, all_commands
     from jounce.app.command_line import app
 
-    sections = [_command(name, command) for name, command in _commands("jounce", get_command(app))]
+    commands = [each for each in all_commands(app) if isinstance(each, Command)]
     return "\n".join(
         [
             "# Command line",
@@ -61,43 +60,25 @@ def command_line_page() -> str:
             "Exit status: 0 done, 1 a check failed (a regression, an unstable loop), 2 bad input,",
             "told in one line a mistake. Quantities are text with a unit.",
             "",
-            *sections,
+            *map(_command, commands),
         ]
     )
 
 
-def _commands(name: str, command: Any) -> Iterator[tuple[str, Any]]:
-    inner = getattr(command, "commands", None)
-    if inner is None:
-        yield name, command
-        return
-    for short, one in inner.items():
-        if not one.hidden:
-            yield from _commands(f"{name} {short}", one)
-
-
-def _command(name: str, command: Any) -> str:
-    given = [p for p in command.params if not getattr(p, "hidden", False) and p.name != "help"]
-    arguments = " ".join(
-        (p.metavar or p.name.upper()) + ("…" if p.nargs == -1 else "")
-        for p in given
-        if p.param_type_name == "argument"
-    )
-    rows = [_row(p) for p in given]
+def _command(command: Any) -> str:
+    places = " ".join(each.metavar for each in command.parameters if not each.names)
+    rows = [_row(each) for each in command.parameters]
     table = ["| | |", "| --- | --- |", *rows, ""] if rows else []
-    return "\n".join(
-        [f"## {name}", "", _prose(command.help), "", f"    {name} {arguments}", "", *table]
-    )
+    called = f"    {command.path} {places}"
+    return "\n".join([f"## {command.path}", "", _prose(command.help), "", called, "", *table])
 
 
 def _row(parameter: Any) -> str:
-    names = ", ".join(f"`{name}`" for name in [*parameter.opts, *parameter.secondary_opts])
-    if parameter.param_type_name == "argument":
-        names = f"`{parameter.metavar or parameter.name.upper()}`"
-    told = _prose(getattr(parameter, "help", "") or "").replace("|", "\\|")
+    names = ", ".join(f"`{name}`" for name in (*parameter.names, *parameter.off))
+    told = _prose(parameter.told.help).replace("|", "\\|")
     default = parameter.default
     shown = f" Default: `{default}`." if isinstance(default, (str, int, float)) and default else ""
-    return f"| {names} | {told}{shown} |"
+    return f"| {names or f'`{parameter.metavar}`'} | {told}{shown} |"
 
 
 def _prose(text: str | None) -> str:

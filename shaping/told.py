@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -76,6 +75,8 @@ def _counted(left: str, parts: Sequence[str], right: str) -> str:
 
 def table(title: str, rows: Rows, picture: str = "") -> str:
     """Return a table in HTML, of two columns under a title, a picture below."""
+    from html import escape  # asked for by notebooks alone
+
     lines = (
         f"<tr><th style='text-align:left'>{escape(str(name))}</th>"
         f"<td style='text-align:left'>{escape(value if isinstance(value, str) else brief(value))}"
@@ -88,6 +89,8 @@ def table(title: str, rows: Rows, picture: str = "") -> str:
 
 def curve(values: Sequence[float], label: str) -> str:
     """Return numbers at equal distances as a small curve in SVG."""
+    from html import escape
+
     low, high = min(values), max(values)
     span, last = (high - low) or 1.0, max(len(values) - 1, 1)
     points = " ".join(

@@ -11,9 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_lines import names, refused
-from typer.testing import CliRunner
-
-from jounce.app import command_line
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -295,7 +292,7 @@ def test_plan_writes_both_files_or_none(run, folder, bad):
 def test_wrong_usage(run, folder, arguments, word):
     status, out, errors = run(*arguments)
     assert (status, out) == (2, "")
-    assert word in "\n".join(errors).lower()  # older releases of typer print SCENARIO
+    assert word in "\n".join(errors).lower()
     assert names(folder) == set()
 
 
@@ -327,12 +324,6 @@ def test_alone_it_shows_help(run):
     assert "Usage" in text
     assert "plan" in text
     assert "survey" in text
-
-
-def test_the_app_serves_a_runner():
-    result = CliRunner().invoke(command_line.app, [*MOVE, *LIMIT])
-    assert result.exit_code == 0
-    assert "0.5773502692 s" in result.stdout
 
 
 def start(*arguments: str) -> subprocess.CompletedProcess:

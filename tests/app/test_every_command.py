@@ -92,6 +92,6 @@ def test_what_is_written_is_told(run, files):
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_says_of_every_file_that_is_written_that_it_is_replaced(name):
     written = {"--output", "--csv", "--plot", "--junit"}
-    for param in command_of(name).params:
-        if set(param.opts) & written and "position, velocity" not in param.help:
-            assert "replaced" in param.help, (name, param.opts)
+    for each in command_of(name).parameters:
+        if set(each.names) & written and "position, velocity" not in each.told.help:
+            assert "replaced" in each.told.help, (name, each.names)

@@ -66,3 +66,13 @@ def test_a_plant_is_judged_with_the_controller_of_a_scenario(run, tmp_path):
 def test_wrong_input_is_told_in_one_line(words, told, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert told in refused(run, tmp_path, "frf", FOLDER / words[0], *words[1:])
+
+
+@pytest.mark.parametrize("options", [(), ("--controller", "stage.toml")], ids=["plant", "loop"])
+def test_quiet_prints_json_alone_and_only_where_that_is_asked_for(run, folder, options):
+    (folder / "stage.toml").write_text(STAGE, encoding="utf-8")
+    call = ("frf", FOLDER / "stage_plant_frf.csv", "--kind", "plant", *options, "--quiet")
+    assert run(*call) == (0, "", [])
+    status, out, errors = run(*call, "--json")
+    assert (status, errors) == (0, [])
+    assert json.loads(out)

@@ -19,7 +19,7 @@ REFUSED = {
     ("plan", "1 m", "--velo=1 m/s"): ["--velo:", "--velocity?"],
     ("plan", "1 m", "--dec", "1 m/s^2"): ["--dec:", "--deceleration?"],
     ("plan", "1 m", "--jrek", "1 m/s^3"): ["--jrek:", "--jerk?"],
-    ("plan", "1 m", "--zzz", "1"): ["unknown option --zzz: See jounce plan --help"],
+    ("plan", "1 m", "--zzz", "1"): ["unknown option --zzz; see jounce plan --help"],
     ("plan", "1 m", "--", "--velocity", "1 m/s"): ["--velocity behind --", "before --"],
     ("plan", "1 m", "--order", "x"): ["--order", "'x'", "from 1 to 14", "pop"],
     ("plan", "1 m", "--order", "2.5"): ["--order", "'2.5'", "from 1 to 14"],

@@ -326,3 +326,13 @@ def test_a_single_sample(ax):
     plots.plot_phase_plane(response, ax=ax)
     assert len(ax.lines[0].get_xdata()) == 1
     render(ax.figure)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 3e4])
+def test_no_label_of_a_move_leaves_the_picture(scale):
+    move = min_time_move(-9.99, Limits(velocity=8.88, acceleration=77.7, jerk=7e3, snap=6e5))
+    figure = plots.plot_trajectory(move, unit="arcsec", scale=scale, figure=Figure())
+    FigureCanvasAgg(figure).draw()
+    drawn, page = figure.get_tightbbox(), figure.get_size_inches()
+    assert (drawn.min >= 0.0).all()
+    assert (drawn.max <= page).all()
