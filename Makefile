@@ -18,7 +18,7 @@ BROAD := tests/test_packaging.py tests/test_public_names.py \
 	tests/app/test_raw_output.py tests/app/test_units.py
 
 .PHONY: survey test test-slow test-browser test-sanitize test-lowest test-newest check check-core wheel format
-.PHONY: benchmark readme docs clean
+.PHONY: benchmark readme docs docs-pages docs-links clean
 
 survey: $(VENV)/.installed
 	$(BIN)/jounce survey examples/telescope.toml --output out/telescope
@@ -115,6 +115,14 @@ benchmark: $(VENV)/.installed-dev
 # The site, in out/site; a page that is not right ends it.
 docs: $(VENV)/.installed-docs
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/site
+
+# The same without running the notebooks, which a test does anyway.
+docs-pages: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -q -W --keep-going -D nb_execution_mode=off -b html docs out/pages
+
+# Whether what pages lead to elsewhere is there; needs the internet.
+docs-links: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -q --keep-going -D nb_execution_mode=off -b linkcheck docs out/links
 
 # The stamp files keep a second run from installing again.
 $(VENV)/.installed: pyproject.toml setup.py $(wildcard core/*.c core/*.h)

@@ -56,6 +56,10 @@ html_context = {"default_mode": "auto"}
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 
+linkcheck_timeout = 20
+linkcheck_workers = 8
+linkcheck_anchors = False  # pages made by scripts have none to be seen
+
 SOURCES = "https://github.com/jounce-control/jounce/blob/HEAD/"
 
 
