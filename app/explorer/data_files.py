@@ -9,8 +9,6 @@ from typing import Any
 
 from ...analysis.measured import MeasuredResponse, read_frf
 
-MOST_BYTES = 40_000_000
-
 
 def read_bytes(name: str, content: bytes, said: Mapping[str, Any]) -> MeasuredResponse:
     """Return the response in a file's bytes.

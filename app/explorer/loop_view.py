@@ -86,8 +86,7 @@ def curves_part(view: LoopView, revision: Revision) -> Part:
     """Return L of the model, and of the data with bars, the elements and their handles."""
     low, high = _window(view)
     places = [handle.frequency_hz for handle in view.handles]
-    frequency = view.gain.points(low, high, places)
-    value = view.gain.at(frequency)
+    frequency, value = view.gain.curve(low, high, places)
     part: Part = {
         "part": "curves",
         "range_hz": [low, high],
@@ -107,8 +106,8 @@ def curves_part(view: LoopView, revision: Revision) -> Part:
 def closed_part(view: LoopView, revision: Revision) -> Part:
     """Return |S| and |T| with their limits."""
     low, high = _window(view)
-    frequency = view.gain.points(low, high, [handle.frequency_hz for handle in view.handles])
-    value = view.gain.at(frequency)
+    places = [handle.frequency_hz for handle in view.handles]
+    frequency, value = view.gain.curve(low, high, places)
     part: Part = {
         "part": "closed",
         "range_hz": [low, high],

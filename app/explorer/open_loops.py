@@ -45,6 +45,16 @@ class OpenGain:
         """Return |L| at frequencies in Hz."""
         return np.asarray(abs(self.at(np.asarray(frequency_hz, dtype=float))))
 
+    def curve(
+        self, low_hz: float, high_hz: float, beside: Sequence[float] = ()
+    ) -> tuple[FloatArray, Any]:
+        """Return the points to draw L at, and L, but where it is infinite."""
+        frequency = self.points(low_hz, high_hz, beside)
+        with np.errstate(all="ignore"):
+            value = self.at(frequency)
+        finite = np.isfinite(value)
+        return frequency[finite], value[finite]
+
     def points(self, low_hz: float, high_hz: float, beside: Sequence[float] = ()) -> FloatArray:
         """Return frequencies in Hz to draw L at from low to high, dense beside some."""
         extra = [place * _BESIDE for place in beside]

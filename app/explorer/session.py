@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ...analysis.margins import LoopMargins, loop_margins
+from ...shaping.checks import finite
 from .asked import asked_part
 from .changes import CHANGES, Change
 from .history import History, began, changed, redone, undone
@@ -192,7 +193,8 @@ class Session:
         self._told.append({"part": "saved", "file": name, "text": written})
 
     def _tune(self, message: Message) -> None:
-        bounds = (float(message[name]) for name in ("max_sensitivity", "max_complementary"))
+        names = ("max_sensitivity", "max_complementary")
+        bounds = (finite(name, message[name]) for name in names)
         self._proposal = proposed(self.state, *bounds)
 
     def _take(self) -> None:

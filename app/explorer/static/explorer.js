@@ -1,6 +1,7 @@
 // The explorer's page: draws what Python has worked out, and tells Python what was done.
 
 const SVG = "http://www.w3.org/2000/svg";
+const MOST_BYTES = 40e6; // of a file that is opened
 const THEMES = ["auto", "light", "dark", "projector"];
 const HELP = [
   ["Tab", "from handle to handle, field to field"],
@@ -687,8 +688,8 @@ class Explorer {
         button("Propose", () =>
           this.change({
             kind: "tune",
-            max_sensitivity: Number(this.most[0].value),
-            max_complementary: Number(this.most[1].value),
+            max_sensitivity: numberOf(this.most[0].value),
+            max_complementary: numberOf(this.most[1].value),
           }),
         ),
       ),
@@ -1273,6 +1274,11 @@ class Explorer {
 
   async open(file) {
     if (!file) return;
+    if (file.size > MOST_BYTES) {
+      const size = `${shown(file.size / 1e6, 3)} MB`;
+      this.tell(`${file.name}: ${size}, expected ${MOST_BYTES / 1e6} MB at the most; leave lines out, or average them`, "bad");
+      return;
+    }
     this.el.dataset.idle = "false";
     const bytes = new Uint8Array(await file.arrayBuffer());
     let text = "";
@@ -1325,6 +1331,11 @@ function marginRow(row) {
     make("td", {}, row.at_hz === null ? "" : shown(row.at_hz, 3)),
     make("td", {}, row.was),
   );
+}
+
+// What is no number goes to Python as it is, which says so.
+function numberOf(text) {
+  return text.trim() === "" || Number.isNaN(Number(text)) ? text : Number(text);
 }
 
 function told([name, value, unit]) {

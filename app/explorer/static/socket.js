@@ -6,7 +6,7 @@ const AGAIN_MS = 1000;
 class Model {
   constructor() {
     this.listeners = new Map();
-    this.values = new Map([["link", decodeURIComponent(location.hash.slice(1))]]);
+    this.values = new Map([["link", decoded(location.hash.slice(1))]]);
     this.connect();
   }
 
@@ -52,6 +52,15 @@ class Model {
   }
 
   save_changes() {}
+}
+
+// An address may have been cut anywhere; Python tells what it makes of that.
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
 }
 
 function unframed(bytes) {

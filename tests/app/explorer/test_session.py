@@ -204,6 +204,16 @@ def test_an_unstable_loop_is_shown_with_its_curves_and_without_responses(session
     assert back["numbers"]["stable"] is True
 
 
+def test_lines_on_which_the_loop_is_infinite_are_left_out(session):
+    told(session, {"kind": "set", "key": "plant.inertia", "text": "1e-12 kg m^2"})
+    shown = told(session)
+    for name, column in (
+        ("curves", shown["curves"]["model"]["gain_db"]),
+        ("closed", shown["closed"]["s_db"]),
+    ):
+        assert abs(column).max() < 1e6, name
+
+
 def test_curves_are_the_loops_own(session):
     import numpy as np
 
@@ -259,6 +269,12 @@ def test_tuned_gains_are_shown_before_they_are_taken(tmp_path):
     assert value_of(after, "sensitivity_peak") == peak["sensitivity_peak"]
     told(session, {"kind": "undo"})
     assert session.state.content == before
+
+
+@pytest.mark.parametrize("bound", ["abc", "", None])
+def test_bounds_that_are_no_numbers_are_told(session, bound):
+    message = {"kind": "tune", "max_sensitivity": bound, "max_complementary": 1.6}
+    assert "max_sensitivity = " in told(session, message)["problem"]["text"]
 
 
 def test_bounds_that_no_gains_keep_are_told(tmp_path):

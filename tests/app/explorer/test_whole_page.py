@@ -185,6 +185,24 @@ def test_the_address_holds_the_state(page, browser):
     other.close()
 
 
+@pytest.mark.parametrize("spoilt", ["%E0%A4%A", "%7Bbad"])
+def test_an_address_that_was_cut_shows_the_file(browser, served, spoilt):
+    page = browser.new_page()
+    page.goto(f"{served.address}#{spoilt}")
+    at_rest(page)
+    assert "no state of this scenario" in page.inner_text("[role=alert]")
+    assert field(page, f"{NOTCH}.frequency") == "72 Hz"
+    page.close()
+
+
+def test_a_file_that_is_too_large_is_told(page):
+    page.evaluate(
+        """() => document.getElementById('explorer').jounce.open(
+            new File([new Uint8Array(41e6)], 'large.csv'))"""
+    )
+    assert "large.csv: 41 MB" in page.inner_text("[role=alert]")
+
+
 def test_the_move_and_its_limits(page):
     page.click("[data-view=move]")
     at_rest(page)
