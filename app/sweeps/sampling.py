@@ -46,8 +46,8 @@ def points_of(
     _check_samples(design, samples)
     if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
         raise ValueError(
-            f"seed = {show(seed)}: expected a whole number from 0 on, which makes the points the same "
-            "each time"
+            f"seed = {show(seed)}: expected a whole number from 0 on, by which the points are the "
+            "same each time"
         )
     assert samples is not None
     fractions = _FRACTIONS[design](len(parameters), samples, seed)
