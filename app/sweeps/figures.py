@@ -69,6 +69,16 @@ class Problem:
         except ValueError as error:
             return error
 
+    def refuse_missing(self, values: Sequence[object]) -> None:
+        """Raise ValueError for a figure of what there is not, which no point would have."""
+        begun = self._begun(values)
+        try:
+            if not isinstance(begun, ValueError):
+                begun.figures([requirement_of(name) for name in self.figures])
+        except ValueError as error:
+            if str(error).startswith("requirement "):
+                raise
+
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
 
@@ -172,6 +182,8 @@ def check_figures(names: Sequence[str]) -> tuple[str, ...]:
             "[requirements] in the scenario"
         )
     for name in names:
+        if not isinstance(name, str):
+            raise ValueError(f"figures: {name!r}: expected a name, such as 'phase_margin'")
         requirement_of(name)
         if list(names).count(name) > 1:
             raise ValueError(f"figures: {name!r} is given twice; give it once")

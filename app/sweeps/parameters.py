@@ -113,7 +113,16 @@ class Parameter:
         part = _try_split(value)
         if part is None or isinstance(value, bool):
             return str(value)
-        return part[0] if part[1] == self.unit else part[0] * conversion(part[1], self.unit)
+        if part[1] == self.unit:
+            return part[0]
+        try:
+            return part[0] * conversion(part[1], self.unit)
+        except ValueError:
+            first = f"as {show(self.choices[0])} is" if self.choices else f"in {self.unit!r}"
+            raise ValueError(
+                f"parameter {self.key} = {show(value)}: expected a value of one kind with the "
+                f"others, {first}"
+            ) from None
 
     @property
     def ends(self) -> tuple[object, ...]:
@@ -170,7 +179,13 @@ def _check_increasing(given: Uniform | LogUniform) -> None:
 def _ends(given: Range) -> tuple[float, float]:
     """Return both numbers of a range in the unit of the first."""
     (first, unit), (second, other) = (_split(value) for value in _values(given))
-    return first, second if other == unit else second * conversion(other, unit)
+    try:
+        return first, second if other == unit else second * conversion(other, unit)
+    except ValueError:
+        raise ValueError(
+            f"{' and '.join(map(show, _values(given)))} in a range: expected two of one kind; give "
+            "both in the same unit"
+        ) from None
 
 
 def _values(given: Range) -> Iterator[object]:

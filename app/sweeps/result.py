@@ -63,10 +63,14 @@ class ScenarioSweep(SweepResult):
         except ImportError:
             raise ImportError(NEEDS) from None
         path = Path(path)
-        if path.suffix == ".nc":
-            return cls(xarray.open_dataset(path, engine="h5netcdf").load())
-        if path.suffix == ".zarr":
-            return cls(xarray.open_zarr(path, chunks=None).load())
+        try:
+            if path.suffix == ".nc":
+                return cls(xarray.open_dataset(path, engine="h5netcdf").load())
+            if path.suffix == ".zarr":
+                return cls(xarray.open_zarr(path, chunks=None).load())
+        except (OSError, ValueError, KeyError) as error:
+            told = "there is none" if not path.exists() else str(error)
+            raise ValueError(f"{path}: is no sweep ({told}); name the output of one") from None
         raise ValueError(f"{path}: expected a sweep, ….zarr or ….nc")
 
     def worst(self, figure: str, side: Literal["lowest", "highest"] | None = None) -> Case:

@@ -107,6 +107,10 @@ def sweep(
     recorded with its reason, and nan in its figures. Ctrl-C ends the sweep, not the script: what is
     done is returned, with a warning.
     """
+    if client is not None and not hasattr(client, "submit"):
+        raise TypeError(
+            f"client = {client!r}: expected a dask.distributed.Client, Client({client!r})"
+        )
     path, known = Path(scenario), parameters_of(parameters)
     design, points = points_of(known, design, samples, seed)
     nominal = load_scenario(path)
@@ -114,6 +118,7 @@ def sweep(
     keys = tuple(parameter.key for parameter in known)
     problem = Problem(path, read_content(path), keys, asked, hold_gains)
     problem.scenario(points[0])  # a key that leads nowhere ends it here
+    problem.refuse_missing(points[0])
     dataset = _empty(problem, known, points, nominal, {"design": design, "seed": seed})
     size = batch_of(len(points))
     store = Store(dataset, None if output is None else Path(output), size)
@@ -236,7 +241,7 @@ def _rows(
 
 def workers_of(workers: int | None, batches: int) -> int:
     """Return how many processes are of use."""
-    if workers is not None and (not isinstance(workers, int) or workers < 1):
+    if workers is not None and (type(workers) is not int or workers < 1):
         raise ValueError(f"workers = {workers!r}: expected a whole number from 1 on")
     return max(1, min(workers or os.cpu_count() or 1, batches))
 

@@ -44,6 +44,11 @@ def points_of(
     if design in ("grid", "corners"):
         return design, _product(parameters, design, samples)
     _check_samples(design, samples)
+    if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
+        raise ValueError(
+            f"seed = {show(seed)}: expected a whole number from 0 on, by which the points are the "
+            "same each time"
+        )
     assert samples is not None
     fractions = _FRACTIONS[design](len(parameters), samples, seed)
     _check_count(len(fractions))

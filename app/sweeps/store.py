@@ -48,8 +48,15 @@ class Store:
             for name, variable in self.dataset.variables.items()
             if variable.dims == ("point",)
         }
-        self._folder.parent.mkdir(parents=True, exist_ok=True)  # type: ignore[union-attr]
-        self.dataset.to_zarr(self._folder, mode="w-", zarr_format=2, encoding=encoding)
+        assert self._folder is not None
+        try:
+            self._folder.parent.mkdir(parents=True, exist_ok=True)
+            self.dataset.to_zarr(self._folder, mode="w-", zarr_format=2, encoding=encoding)
+        except OSError as error:
+            told = error.strerror or error
+            raise ValueError(
+                f"{self.path}: cannot be written ({told}); name a folder that can be"
+            ) from None
 
     def missing(self) -> list[int]:
         """Return the numbers of the points that are still to do."""

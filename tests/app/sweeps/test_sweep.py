@@ -207,6 +207,12 @@ def test_another_sweep_is_not_mixed_in(axis, tmp_path):
     sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "a.zarr")
     with pytest.raises(ValueError, match="holds another sweep, of other points"):
         sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.zarr")
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(ValueError, match="cannot be written"):
+        sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "file/a.zarr")
+    for missing in ("b.zarr", "b.nc"):
+        with pytest.raises(ValueError, match=r"is no sweep \(there is none\)"):
+            ScenarioSweep.load(tmp_path / missing)
     with pytest.raises(ValueError, match=r"ends in \.zarr or \.nc"):
         sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.csv")
 
@@ -239,6 +245,8 @@ def test_samples_have_the_distributions_asked_for():
         ({"plant.inertia": "2 kg m^2"}, "expected a list of values, or Uniform"),
         ({"plant.inertia": []}, "expected a list of values"),
         ({"plant.inertias": ["2 kg m^2"]}, "inertias"),
+        ({"plant.inertia": ["2 kg m^2", "3 Hz"]}, "plant.inertia = '3 Hz'.* one kind"),
+        ({"plant.inertia": ["2 kg m^2", "nan kg m^2"]}, "plant.inertia = '2 kg m"),
     ],
 )
 def test_parameters_that_do_not_fit_are_refused(axis, given, told):
@@ -255,9 +263,18 @@ def test_other_bad_input_is_refused(axis):
         ({"figures": QUICK, "design": "grid"}, "which has no grid"),
         ({"figures": QUICK, "samples": 12, "design": "sensitivity"}, "such as 16"),
         ({"figures": QUICK, "samples": 4, "workers": 0}, "workers = 0"),
+        ({"figures": QUICK, "samples": 4, "workers": True}, "workers = True"),
+        ({"figures": QUICK, "samples": 4, "seed": None}, "seed = None"),
+        ({"figures": [3], "samples": 4}, "figures: 3"),
+        ({"figures": ["nomove.load_settling"], "samples": 4}, "there is no 'nomove'"),
+        ({"figures": ["disturbance_peak"], "samples": 4}, "no such figure"),
     ):
         with pytest.raises(ValueError, match=told):
             sweep(axis, INERTIA, **asked)
+    with pytest.raises(ValueError, match="'2 Hz' and '1 s' in a range"):
+        Uniform("2 Hz", "1 s")
+    with pytest.raises(TypeError, match="dask"):
+        sweep(axis, INERTIA, figures=QUICK, samples=4, client="tcp://host:8786")
     with pytest.raises(ValueError, match="high = '1 Hz'"):
         Uniform("2 Hz", "1 Hz")
     with pytest.raises(ValueError, match="positive value"):
