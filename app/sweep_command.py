@@ -124,7 +124,7 @@ def _told(found: ScenarioSweep) -> list[object]:
     """Return the tables of a sweep."""
     import numpy as np
 
-    from .tables import plain_table
+    from ..analysis.tables import plain_table
 
     table = plain_table(
         f"{found.dataset.attrs['title']}: {found.dataset.sizes['point']} points",
