@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from math import exp, log
 
 from ..closed_moves import fastest, planned
@@ -16,7 +18,12 @@ _SAME_SHARE = 1e-5
 _ROUNDING = 1e-12
 
 
-def gentlest_move(move: Trajectory, limits: Limits, duration: float) -> Trajectory:
+def gentlest_move(
+    move: Trajectory,
+    limits: Limits,
+    duration: float,
+    fastest_within: Callable[[Limits], Trajectory] | None = None,
+) -> Trajectory:
     """Return the move of a duration T above the least with the smallest share of its highest bound.
 
     The minimum time T*(s) with s·L_n in the place of the highest bound L_n falls as s rises: what
@@ -28,11 +35,15 @@ def gentlest_move(move: Trajectory, limits: Limits, duration: float) -> Trajecto
     move : Trajectory
         The fastest.
     limits : Limits
-        Of order n ≥ 4, bounds on even derivatives the same in both directions, positions free.
+        Of order n ≥ 4; bounds on even derivatives the same in both directions and positions free
+        unless `fastest_within` is given.
     duration : float
+    fastest_within : callable, optional
+        From limits to the fastest move; by the half horizon where it is left out.
     """
     n, start = limits.order, float(move.start_state[0])
     distance = float(move.end_state[0]) - start
+    plan = fastest_within or partial(_fastest, distance, start)
     forward = limits if distance > 0.0 else limits.mirror()
     spline = float(spline_durations(abs(distance), forward)[n])
     low, high = n * log(spline / duration) + n * _ROUNDING, n * log(move.duration / duration)
@@ -41,7 +52,7 @@ def gentlest_move(move: Trajectory, limits: Limits, duration: float) -> Trajecto
     def late(at: float) -> float:
         """Return log(T*(s)/T); keep the move if, stretched to T, it needs the least."""
         nonlocal best, least
-        found = _with_share(exp(at), distance, limits, start)
+        found = plan(with_share(exp(at), limits))
         after = log(found.duration / duration)
         if after <= 0.0 and at + n * after < least:
             best, least = found, at + n * after
@@ -60,13 +71,18 @@ def gentlest_move(move: Trajectory, limits: Limits, duration: float) -> Trajecto
     return best.stretch(duration / best.duration)
 
 
-def _with_share(share: float, distance: float, limits: Limits, start: float) -> Trajectory:
-    """Return the fastest move with a share of the highest bound."""
+def with_share(share: float, limits: Limits) -> Limits:
+    """Return the limits with a share of the highest bound."""
     *lower, (least, most) = zip(limits.lower, limits.upper, strict=True)
-    within = Limits.from_bounds([*lower, (share * least, share * most)])
+    position = limits.position if limits.bounds_position else None
+    return Limits.from_bounds([*lower, (share * least, share * most)], position=position)
+
+
+def _fastest(distance: float, start: float, limits: Limits) -> Trajectory:
+    """Return the fastest move by the half horizon."""
 
     def plan(length: float, forward: Limits) -> Trajectory:
         closed = within_range(lambda: fastest(length, forward))
         return improved(closed, forward) or closed
 
-    return planned(distance, within, start, plan)
+    return planned(distance, limits, start, plan)

@@ -16,6 +16,7 @@ from .whole.costate import Multipliers
 from .whole.outcome import found_plan
 from .whole.planner import Plan, planned
 from .whole.polynomials import first_root
+from .whole.problem import WholeProblem
 from .whole.search import Link as Excluded
 from .whole.warm_program import EFFORT
 
@@ -24,6 +25,9 @@ _LONG = 2.0  # times both ways: a motion that is planned as these and a cruise
 _ROUGHLY = 1e-3  # gap of a ramp that counts for little
 _SHARES = (2.0 / 3.0, 0.5, 1.0)  # of that way: ends of a ramp that are tried
 _EFFORT = 0.06 * EFFORT  # for each
+_FURTHER = 3.0  # times the ways: the second trial
+_LAST = 3  # links of a ramp's proof: each by multipliers that may tell most
+_CUTS = (0.6, 0.7, 0.8, 0.9, 1.0)  # of its time: where they may end
 _ROUNDING = 1e-12  # of the lower bound, taken off it
 
 
@@ -38,6 +42,11 @@ class LongPlan:
     def lower_bound(self) -> float:
         """No motion takes less."""
         return self.proven.lower_bound
+
+    @property
+    def gap(self) -> float:
+        """How much longer the motion takes than that at most, relative."""
+        return self.trajectory.duration / self.lower_bound - 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +81,9 @@ class _Reach:
         )
 
 
-def long_plan(start: Numbers, end: Numbers, limits: Limits, *, rtol: float) -> LongPlan | None:
+def long_plan(
+    start: Numbers, end: Numbers, limits: Limits, *, rtol: float, speed: float | None = None
+) -> LongPlan | None:
     """Return a plan that cruises for most of its way; None for one that is not as long.
 
     Programs over the whole horizon need cells as short as its ramps. The ramps are planned by
@@ -80,25 +91,48 @@ def long_plan(start: Numbers, end: Numbers, limits: Limits, *, rtol: float) -> L
     velocity is held there the costate is (1, 0, …, 0), so that the multipliers of both ramps
     bound the distance from the start, that to the end, and that of the cruise apart.
 
+    `speed` is another velocity to cruise at, below the bound.
+
     Raises
     ------
     InfeasibleError
         For a start or an end that is a dead end.
     """
     if end[0] < start[0]:
-        ahead = long_plan(_opposite(start), _opposite(end), limits.mirror(), rtol=rtol)
+        ahead = long_plan(_opposite(start), _opposite(end), limits.mirror(), rtol=rtol, speed=speed)
         return None if ahead is None else _mirrored(ahead)
     distance, bound = end[0] - start[0], limits.bounds(1)[1]
-    back = _backwards(limits)
     turned = tuple((-1) ** (k + 1) * x for k, x in enumerate(end))
-    ways = [_way(state, each) for state, each in ((start, limits), (turned, back))]
-    if not (0.0 < bound < inf and distance > _LONG * sum(ways)):
-        return None
+    ways = _way(start, limits), _way(turned, _backwards(limits))
+    best: LongPlan | None = None
+    for further in (1.0, _FURTHER):
+        if not (0.0 < bound < inf and distance > _LONG * further * sum(ways)):
+            break
+        over = further * ways[0], further * ways[1]
+        plan = _planned(start, end, limits, over, min(speed or bound, bound), rtol)
+        if plan is None or speed is not None or plan.gap <= rtol:
+            return plan or best
+        best = plan if best is None or plan.gap < best.gap else best
+    return best
+
+
+def _planned(
+    start: Numbers,
+    end: Numbers,
+    limits: Limits,
+    ways: tuple[float, float],
+    cruise: float,
+    rtol: float,
+) -> LongPlan | None:
+    """Return the plan forwards whose ramps take no longer ways than these."""
+    distance = end[0] - start[0]
+    turned = tuple((-1) ** (k + 1) * x for k, x in enumerate(end))
     aim = min(max(rtol, rtol * distance / sum(ways) / _LONG), max(rtol, _ROUGHLY))
-    onto, off = _ramp(start, ways[0], limits, aim), _off(turned, ways[1], limits, aim)
+    onto = _ramp(start, ways[0], cruise, limits, aim)
+    off = _off(turned, ways[1], cruise, limits, aim)
     if onto is None or off is None:
         return None
-    dwell = (distance - float(onto.problem.end[0] + off.problem.end[0])) / bound
+    dwell = (distance - float(onto.problem.end[0] + off.problem.end[0])) / cruise
     ridden = _motion(off).reverse().mirror()
     motion = _ending(_motion(onto).shift(start[0]).then(ridden, dwell=dwell), end)
     if limits.bounds_position and motion.violation(limits) > _ROUNDING:
@@ -127,7 +161,7 @@ def _way(state: Numbers, limits: Limits) -> float:
     return _RAMPS * max(bound, abs(state[1])) * (time or inf)
 
 
-def _ramp(state: Numbers, way: float, limits: Limits, rtol: float) -> Plan | None:
+def _ramp(state: Numbers, way: float, cruise: float, limits: Limits, rtol: float) -> Plan | None:
     """Return the plan from a state, its position 0, onto the velocity bound; None beside a stop.
 
     Where the search takes long for one place of its end it need not for another.
@@ -137,7 +171,7 @@ def _ramp(state: Numbers, way: float, limits: Limits, rtol: float) -> Plan | Non
         return None
     pairs = zip(limits.lower, limits.upper, strict=True)
     within = Limits.from_bounds(pairs, position=(low, high) if limits.bounds_position else None)
-    start, cruising = (0.0, *state[1:]), (limits.bounds(1)[1], *[0.0] * (limits.order - 2))
+    start, cruising = (0.0, *state[1:]), (cruise, *[0.0] * (limits.order - 2))
     best: Plan | None = None
     for share in _SHARES:
         plan = planned(start, (share * way, *cruising), within, rtol, effort=_EFFORT)
@@ -157,12 +191,12 @@ def _ramp(state: Numbers, way: float, limits: Limits, rtol: float) -> Plan | Non
         raise
 
 
-def _off(turned: Numbers, way: float, limits: Limits, rtol: float) -> Plan | None:
+def _off(turned: Numbers, way: float, cruise: float, limits: Limits, rtol: float) -> Plan | None:
     """Return the plan of the way to the end, run backwards; errors tell of the end."""
     try:
-        return _ramp(turned, way, _backwards(limits), rtol)
+        return _ramp(turned, way, cruise, _backwards(limits), rtol)
     except InfeasibleError:
-        cruising = (limits.bounds(1)[1], *[0.0] * (limits.order - 2))
+        cruising = (cruise, *[0.0] * (limits.order - 2))
         end = tuple((-1) ** (k + 1) * x for k, x in enumerate(turned))
         found_plan((0.0, *cruising), (way, *end[1:]), limits, rtol=rtol)
         raise
@@ -182,18 +216,45 @@ def _ending(motion: Trajectory, end: Numbers) -> Trajectory:
 
 
 def _reach(plan: Plan) -> _Reach:
-    """Return how far a ramp comes at most by its plan's last multipliers, or at v all along."""
-    search, n = plan.search, plan.problem.order
-    link, time = search.chain[-1] if search.chain else None, search.lower
-    if isinstance(link, Excluded) and link.multipliers.ends[0] > 0.0:
-        given = link.multipliers
-    else:
-        one = np.ones(1)
-        given = Multipliers(one, np.eye(n)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
-    scale, ends = 1.0 / given.ends[0], np.eye(n)[0]
-    atoms = {k: row * scale for k, row in given.atoms.items()}
-    densities = {k: rows * scale for k, rows in given.densities.items()}
-    multipliers = Multipliers(given.cells, ends, atoms, densities)
+    """Return how far a ramp comes at most, by what multipliers of its plan tell most.
+
+    Those of a velocity held all along tell the least.
+    """
+    search, n, one = plan.search, plan.problem.order, np.ones(1)
+    held = Multipliers(one, np.eye(n)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
+    found = [
+        _cut(link.multipliers, share, search.problem)
+        for link in search.chain[-_LAST:]
+        for share in _CUTS
+        if isinstance(link, Excluded) and link.multipliers.ends[0] > 0.0
+    ]
+    reaches = [_reach_by(each, length, plan) for each, length in (*found, (held, 1.0))]
+    speed = float(plan.problem.upper[1])
+    return min(reaches, key=lambda each: float(each.terms.sum()) - speed * each.time)
+
+
+def _cut(given: Multipliers, share: float, problem: WholeProblem) -> tuple[Multipliers, float]:
+    """Return multipliers up to a share of the time, with λ = (1, 0, …, 0) there, and that time.
+
+    As far as atoms may they take over the p_k that end there.
+    """
+    count = max(int(np.searchsorted(np.cumsum(given.cells), share * (1.0 - _ROUNDING))) + 1, 1)
+    count = min(count, len(given.cells))
+    length, scale = float(given.cells[:count].sum()), 1.0 / given.ends[0]
+    atoms = {k: row[:count] * scale / length**k for k, row in given.atoms.items()}
+    for k, row in atoms.items():
+        row[-1] += given.ends[k] * scale if k and count == len(given.cells) else 0.0
+        side = problem.lower[k] if row[-1] > 0.0 else problem.upper[k]
+        row[-1] *= np.isfinite(side)
+    densities = {
+        k: rows[:, :count] * scale * length / length**k for k, rows in given.densities.items()
+    }
+    ends = np.eye(problem.order)[0]
+    return Multipliers(given.cells[:count] / length, ends, atoms, densities), length
+
+
+def _reach_by(multipliers: Multipliers, length: float, plan: Plan) -> _Reach:
+    search, n, time = plan.search, plan.problem.order, plan.search.lower * length
     costate, powers = multipliers.costate(), time ** np.arange(n + 1.0)
     terms = -multipliers.polynomial(search.problem, costate) * powers
     terms[0] += search.problem.end[0]

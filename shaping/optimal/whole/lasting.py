@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import ceil, floor, inf, ldexp, log10
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checks import in_range, positive
 from ...limits import Limits
-from ...pieces import FloatArray
-from ...trajectory import Trajectory
+from ...trajectory import Trajectory, point
 from ...transfers.infeasible import InfeasibleError
-from .maps import node_states
+from ..long_lasting import long_lasting, no_duration
+from ..long_plan import long_plan
+from .least_share import gentlest
 from .outcome import found_plan, impossible
 from .planner import DEFAULT_RTOL, Numbers, Plan, planned
-from .problem import WholeProblem
-from .refining import refined
-from .repair import Repaired, repaired
-from .restriction import MARGIN, hull_rows
-from .sampled import Sampled
+from .repair import Repaired
+from .resting import resting
 from .search import Search
-from .warm_program import Effort, WarmProgram
+from .warm_program import Effort
 
 _SAMPLES = 20  # multiples of a sample time that are tried
+_MUCH_LONGER = 4.0  # times the least duration: then there may be time to rest in between
 _AT = 1e-12  # relative: a duration that is another
 _CLEAR = 2e-4  # relative: beyond what ends a blocked interval
-_ROUNDS = 5
-_HARDLY = 5e-4  # of the share
-_SAME = 1e-6  # of the largest input: inputs that are one
 
 
 def lasting(
@@ -49,8 +43,18 @@ def lasting(
         Where there is none.
     """
     dt = None if round_to is None else positive("round_to", round_to)
-    if duration is not None:
-        wanted = positive("duration", duration)
+    wanted = None if duration is None else positive("duration", duration)
+    if start == end and not any(start[1:]):
+        wanted = wanted or 0.0
+        return point(start[0], len(start)).until(
+            wanted if dt is None else _samples(wanted, dt) * dt
+        )
+    long = long_plan(start, end, limits, rtol=rtol)
+    if long is not None:
+        least = long.trajectory.duration if wanted is None else wanted
+        last = least if dt is None else _samples(least, dt) * dt
+        return long_lasting(long, (start, end, limits), last)
+    if wanted is not None:
         wanted = wanted if dt is None else _samples(wanted, dt) * dt
         return _lasting(planned(start, end, limits, rtol), wanted)
     plan = found_plan(start, end, limits, rtol=rtol)
@@ -97,7 +101,9 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
         found: Repaired | None = best
     else:
         if time < plan.search.lower:
-            raise _none(duration, f"every one below {plan.lower_bound:.10g} is proven impossible")
+            raise no_duration(
+                duration, f"every one below {plan.lower_bound:.10g} is proven impossible"
+            )
         found = _of_duration(plan, time, duration)
     assert found is not None
     return plan.told(found)
@@ -107,14 +113,21 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
     problem, best = plan.search.problem, plan.search.best
     if problem.at_rest and best is not None and best.time < time:
         with np.errstate(all="ignore"):
-            return _gentlest(problem, plan.search.nodes, time, _slowed(best, time))
+            return gentlest(problem, plan.search.nodes, time, _slowed(best, time))
+    if best is None or time > _MUCH_LONGER * best.time:
+        with np.errstate(all="ignore"):
+            found = resting(problem, time)
+        if found is not None:
+            return found
     search = _from(plan, time)
     if search.lower > time * (1.0 + _AT):
-        raise _none(duration, "it is proven that there is none of this one" + _later(plan, time))
+        raise no_duration(
+            duration, "it is proven that there is none of this one" + _later(plan, time)
+        )
     if search.best is None or search.best.time > time * (1.0 + _AT):
-        raise _none(duration, "none was found, which is no proof that there is none")
+        raise no_duration(duration, "none was found, which is no proof that there is none")
     with np.errstate(all="ignore"):
-        return _gentlest(plan.search.problem, search.nodes, time, search.best)
+        return gentlest(plan.search.problem, search.nodes, time, search.best)
 
 
 def _next(plan: Plan, time: float) -> Search:
@@ -158,106 +171,8 @@ def _away(search: Search, time: float) -> float:
     return inf if search.best is None else abs(search.best.time / time - 1.0)
 
 
-def _none(duration: float, reason: str) -> InfeasibleError:
-    return InfeasibleError(
-        f"duration = {duration!r} is none that a motion within these limits takes: {reason}; give "
-        "another, or raise the limits",
-        "",
-        None,
-    )
-
-
-def _gentlest(problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired) -> Repaired:
-    """Return the motion with the smallest share of the highest bound; as it came if none.
-
-    On grids refined where the input switches, until the share hardly falls.
-    """
-    problem = _narrowed(problem, motion)
-    last = inf
-    for _ in range(_ROUNDS):
-        found = _with_least_share(problem, nodes, time, motion)
-        if found is None:
-            break
-        share, inputs = found
-        gentle = repaired(problem, Sampled(nodes, inputs, time))
-        if gentle is None:
-            break
-        motion = gentle
-        if share > last * (1.0 - _HARDLY):
-            break
-        last = share
-        nodes = refined(
-            nodes, _switching(problem, inputs, share * time**problem.order), None, inputs
-        )
-    return motion
-
-
 def _slowed(motion: Repaired, time: float) -> Repaired:
     """Return a motion between rests slowed down as a whole."""
     slower = time / motion.time
     powers = slower ** np.arange(len(motion.states))
     return Repaired(motion.durations * slower, motion.states / powers[:, None], time)
-
-
-def _narrowed(problem: WholeProblem, motion: Repaired) -> WholeProblem:
-    """Return the problem with no more of the highest bound than a motion needs."""
-    inputs = np.asarray(motion.states[-1], float)
-    share = min(max(inputs.max() / problem.upper[-1], inputs.min() / problem.lower[-1]), 1.0)
-    factors = np.append(np.ones(problem.order), share)
-    return replace(problem, lower=problem.lower * factors, upper=problem.upper * factors)
-
-
-def _switching(problem: WholeProblem, inputs: FloatArray, unit: float) -> NDArray[np.intp]:
-    """Return the cells whose input is on no bound, and another than beside them."""
-    same = _SAME * float(np.abs(inputs).max())
-    lower, upper = problem.lower[-1] * unit, problem.upper[-1] * unit
-    free = np.minimum(np.abs(inputs - lower), np.abs(inputs - upper)) > same
-    apart = np.abs(np.diff(inputs)) > same
-    beside = np.append(apart, False) | np.append(False, apart)
-    return np.flatnonzero(free & beside)
-
-
-def _with_least_share(
-    problem: WholeProblem, nodes: FloatArray, time: float, motion: Repaired
-) -> tuple[float, FloatArray] | None:
-    """Return the smallest share of the highest bound that a motion on a grid needs, and its inputs.
-
-    minimise s   subject to   s·lo_n ≤ x^(n) ≤ s·hi_n, all other bounds, both states
-    """
-    n = problem.order
-    powers = time ** np.arange(n + 1)
-    sizes = np.abs(np.asarray(motion.states, float)).max(axis=1) * powers
-    sizes = np.maximum(sizes, 1e-9 * sizes.max())
-    maps = node_states(nodes, n, 1)
-    rows = hull_rows(problem, maps, nodes, sizes, MARGIN)
-    of = np.concatenate([np.arange(n), rows.derivative])
-    stacked = np.vstack([maps[:, -1], rows.matrix]) / sizes[of][:, None]
-    count = len(nodes) - 1
-    free = stacked[:, count:] @ (problem.start * powers[:n])
-    lower, upper = (
-        (side * powers)[of] / sizes[of] - free for side in (problem.lower, problem.upper)
-    )
-    tight = rows.margin / sizes[rows.derivative]
-    lower[n:] += tight
-    upper[n:] -= tight
-    lower[:n] = upper[:n] = problem.end * powers[:n] / sizes[:n] - free[:n]
-    matrix = np.hstack([stacked[:, :count] * sizes[n], np.zeros((len(of), 1))])
-    shares = [
-        np.hstack([sign * np.eye(count), np.full((count, 1), sign * -side * powers[n] / sizes[n])])
-        for sign, side in ((1.0, problem.upper[n]), (-1.0, problem.lower[n]))
-    ]
-    far = np.full(count, np.inf)
-    program = WarmProgram(
-        np.vstack([matrix, *shares]),
-        np.append(np.zeros(count), 1.0),
-        np.concatenate([np.arange(len(of)) < n, np.ones(2 * count, dtype=bool)]),
-    )
-    optimum = program.solve(
-        np.concatenate([lower, -far, -far]),
-        np.concatenate([upper, np.zeros(2 * count)]),
-        np.append(-far, 0.0),
-        np.append(far, 1.0 - MARGIN),
-    )
-    if optimum is None:
-        return None
-    return optimum.value, optimum.columns[:count] * sizes[n]
