@@ -32,7 +32,8 @@ ROUGHLY_RTOL = 0.5
 """Gap that is asked for where only a motion is sought, or the proof that there is none."""
 
 _FIRST_ROUNDS = 4
-_ROUGHLY_EFFORT = 0.1 * EFFORT
+_LITTLE = 0.1  # of the effort, where only a motion is sought
+_HIGH, _MORE = 7, 2.0  # orders from there on may take twice as much
 
 HIGHEST_ORDER = 10
 """Highest order that is planned over the whole horizon."""
@@ -157,7 +158,7 @@ def planned(
 def roughly_planned(problem: WholeProblem) -> Plan:
     """Return a plan of a problem whose numbers are the caller's, near its minimum or not."""
     numbers = (tuple(map(float, side)) for side in vars(problem).values())
-    return _planned(*numbers, ROUGHLY_RTOL, _ROUGHLY_EFFORT)
+    return _planned(*numbers, ROUGHLY_RTOL, _LITTLE)
 
 
 @lru_cache(maxsize=32)
@@ -167,7 +168,7 @@ def _planned(
     lower: Numbers,
     upper: Numbers,
     rtol: float,
-    effort: float = EFFORT,
+    share: float = 1.0,
 ) -> Plan:
     problem = WholeProblem(*(np.array(numbers) for numbers in (start, end, lower, upper)))
     with np.errstate(all="ignore"):
@@ -180,6 +181,7 @@ def _planned(
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         search = Search(inner)
+        effort = share * EFFORT * (_MORE if problem.order >= _HIGH else 1.0)
         _run(search, rtol, Effort(effort))
     return Plan(problem, search, length, time)
 

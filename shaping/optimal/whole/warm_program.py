@@ -22,8 +22,8 @@ _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
 _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 for none
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
-EFFORT = 1e10
-"""Of one search: ten to twenty seconds."""
+EFFORT = 5e9
+"""Of one search: five to ten seconds."""
 
 
 @dataclass(eq=False)
