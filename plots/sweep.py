@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..analysis.sweep_result import SweepResult
 
 _MOST_IN_A_MATRIX = 5
-_DOTS = 4_000  # of a scatter; more are thinned evenly
+_DOTS = 4_000  # of a scatter; more are thinned
 
 
 def plot_sweep(result: SweepResult, *, figure: Figure | None = None) -> Figure:
@@ -111,8 +111,10 @@ def _tornado(ax: Axes, result: SweepResult, name: str) -> None:
 
 def _scatter(ax: Axes, result: SweepResult, parameter: str, name: str) -> None:
     x, y = result.dataset[parameter].values, result.values(name)
-    step = max(1, x.size // _DOTS)
-    ax.plot(x[::step], y[::step], ".", color=BLUE, ms=3, alpha=0.5)
+    if x.size > _DOTS:  # by chance: every second point of a grid has every second value alone
+        some = np.random.default_rng(0).choice(x.size, _DOTS, replace=False)
+        x, y = x[some], y[some]
+    ax.plot(x, y, ".", color=BLUE, ms=3, alpha=0.5)
     for bound in result.requirements.get(name, ()):
         if isfinite(bound):
             ax.axhline(bound, color=RED, linestyle="--", linewidth=0.8)
@@ -123,13 +125,14 @@ def _contours(ax: Axes, result: SweepResult, first: str, second: str, name: str)
     x, y = result.dataset[first].values, result.dataset[second].values
     values = result.values(name)
     known = np.isfinite(values)
-    if np.unique(x[known]).size < 2 or np.unique(y[known]).size < 2 or known.sum() < 4:
+    places, at = np.unique(np.stack([x[known], y[known]]), axis=1, return_inverse=True)
+    if places.shape[1] < 4 or (np.ptp(places, axis=1) == 0.0).any():
         ax.set_axis_off()
         return
-    scales = np.ptp(x[known]), np.ptp(y[known])  # triangles of the picture's own shape
-    shape = Triangulation(x[known] / scales[0], y[known] / scales[1])
-    mesh = Triangulation(x[known], y[known], shape.triangles)
-    drawn = ax.tricontourf(mesh, values[known], levels=12, cmap="viridis")
+    means = np.bincount(at, values[known]) / np.bincount(at)  # of a grid, over all else
+    (u, v), scales = places, np.ptp(places, axis=1)  # triangles of the picture's own shape
+    mesh = Triangulation(u, v, Triangulation(u / scales[0], v / scales[1]).triangles)
+    drawn = ax.tricontourf(mesh, means, levels=12, cmap="viridis")
     bar = ax.get_figure().colorbar(drawn, ax=ax)  # type: ignore[union-attr]
-    bar.set_label(_label(result, name))
+    bar.set_label(_label(result, name) if at.size == means.size else f"mean {_label(result, name)}")
     finish(ax, "", _label(result, first), _label(result, second))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from swept_axis import AXIS
 
-from jounce.app import Uniform, sweep
+from jounce.app import sweep
 
 distributed = pytest.importorskip("distributed")
 SLOW = os.environ.get("JOUNCE_TIER") == "slow"
@@ -16,8 +16,12 @@ SLOW = os.environ.get("JOUNCE_TIER") == "slow"
 def test_a_cluster_that_loses_a_worker_gives_the_same_numbers(tmp_path):
     axis = tmp_path / "axis.toml"
     axis.write_text(AXIS, encoding="utf-8")
-    parameters = {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}
-    asked = {"figures": ["phase_margin", "modulus_margin"], "samples": 512 if SLOW else 64}
+    count = 32 if SLOW else 8
+    parameters = {
+        "limits.drive.jerk": [f"{jerk} deg/s^3" for jerk in np.linspace(300.0, 900.0, count)],
+        "controller.specification.crossover": [f"{hz} Hz" for hz in np.linspace(1.5, 2.5, 8)],
+    }
+    asked = {"figures": ["phase_margin", "modulus_margin", "duration"]}
     with (
         distributed.LocalCluster(
             n_workers=3 if SLOW else 2,
