@@ -173,7 +173,9 @@ def test_junit_of_an_update_fails_on_bounds_alone():
 @pytest.mark.parametrize("text", ["\x00\x1b[31m\ud800\ufffe", "a\nb"], ids=["control", "line"])
 def test_junit_is_xml_whatever_the_title_and_path(text):
     found = report(SAME, title=text, path=Path(f"{text}.toml"), unstable=text)
-    ElementTree.fromstring(junit_text(found).encode("utf-8"))
+    (suite,) = ElementTree.fromstring(junit_text(found).encode("utf-8"))
+    assert suite.tag == "testsuite"
+    assert suite.find(".//failure") is not None
 
 
 CHANGED = Change(("moves", "go", "settle_to"), "0.05 arcsec", "0.5 arcsec")
