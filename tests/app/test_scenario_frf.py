@@ -74,7 +74,7 @@ def test_the_survey_is_printed_and_written(measured, run, tmp_path):
         AXIS + "requirements = { phase_margin = { min = '30 deg' }, disk_margin = { min = 1.5 } }"
     )
     status, out, errors = run("survey", measured(text), "-o", tmp_path / "out")
-    assert (status, errors) == (0, [])
+    assert (status, errors) == (1, [])  # a requirement is missed
     assert "phase margin [deg]" in out
     assert "Required disk_margin ≥ 1.5 is" in out
     written = json.loads((tmp_path / "out" / "survey.json").read_text("utf-8"))
