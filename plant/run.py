@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -55,6 +55,10 @@ class Scene:
     duration: float
     disturbances: tuple[Disturbance, ...] = ()
     noise: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse more samples than can be taken, before anything is made of their size."""
+        samples_within(self.duration, self.controller.sample_time or inf)
 
     @property
     def is_digital(self) -> bool:
