@@ -10,6 +10,7 @@ from ..plant import ServoLoop, TorqueSteps
 from ..shaping import JerkFilter
 from ..shaping.checks import of_kind
 from ..shaping.drawing import draw
+from ..shaping.real_numbers import shown
 from ..shaping.told import Rows, Told
 from .disturbed import (
     DisturbanceStep,
@@ -290,6 +291,15 @@ def _check_lists(**given: Any) -> None:
         of_kind(name, values, Sequence, f"a list of {noun}")  # type: ignore[type-abstract]
         for value in values:
             of_kind(name, value, kinds[name], noun)
+        if name != "requirements":
+            _check_names(name, [value.name for value in values])
+
+
+def _check_names(of: str, names: Sequence[str]) -> None:
+    """Refuse two of one name, of which results would be told apart by nothing."""
+    twice = next((each for each in names if names.count(each) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{of}: {shown(twice)} is there twice: give each a name of its own")
 
 
 def stable_margins(loop: ServoLoop) -> LoopMargins:

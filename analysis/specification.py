@@ -251,20 +251,36 @@ def unknown_figure(name: Any) -> str:
 
 @dataclass(frozen=True)
 class Mode:
-    """A lightly damped mode of what the plant carries; `damping` is its damping ratio."""
+    """A lightly damped mode of what the plant carries; its damping ratio is from 0 to below 1."""
 
     name: str
     frequency_hz: float
     damping: float = 0.0
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frequency_hz", positive("frequency_hz", self.frequency_hz))
+        if not 0.0 <= real_number("damping", self.damping) < 1.0:
+            raise ValueError(
+                f"damping = {shown(self.damping)}: expected a ratio from 0 to below 1, such as 0.02"
+            )
+
 
 @dataclass(frozen=True)
 class Specification:
-    """What a loop must achieve: its crossover frequency and margins."""
+    """What a loop must achieve: its crossover and margins, positive, the phase's below 90°."""
 
     crossover_hz: float
     phase_margin_deg: float
     lower_gain_margin_db: float
+
+    def __post_init__(self) -> None:
+        for name in ("crossover_hz", "phase_margin_deg", "lower_gain_margin_db"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        if self.phase_margin_deg >= 90.0:
+            raise ValueError(
+                f"phase_margin_deg = {shown(self.phase_margin_deg)}: expected an angle between 0 "
+                "and 90, such as 45"
+            )
 
 
 @dataclass(frozen=True)

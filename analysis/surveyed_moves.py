@@ -24,6 +24,7 @@ from .sampling import clock_for, followed, thinned
 from .specification import Mode, Move
 from .step_response import KEPT
 from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
+from .warned import warned_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,7 +108,8 @@ def move_survey(
 ) -> MoveSurvey:
     """Return a move run through each of the loops; ValueError, with its name, if it cannot be."""
     try:
-        trajectory = planned(move)
+        with warned_of(f"move {move.name!r}"):
+            trajectory = planned(move)
         responses = {
             name: _response(name, loop, trajectory, move, poles, jerk_filter)
             for name, loop in loops.items()

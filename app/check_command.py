@@ -131,9 +131,9 @@ def check_command(
         told = [tally(outcomes)] * (len(outcomes) > 1)
         print_parts(*told, *(f"Wrote {path}" for path in written))
     if any(isinstance(outcome, BadInput) for outcome in outcomes):
-        raise cli.Exit(BAD_INPUT)
+        raise SystemExit(BAD_INPUT)
     if not all(outcome.passed for outcome in outcomes if not isinstance(outcome, BadInput)):
-        raise cli.Exit(CHECK_FAILED)
+        raise SystemExit(CHECK_FAILED)
 
 
 def _refuse_several(paths: Sequence[Path], files: _Files, sweep: Path | None) -> None:

@@ -1,33 +1,106 @@
-"""Commands that are functions: their annotated parameters are arguments and options.
-
-Written here since no package does so without imports that cost more than many a command.
-"""
+"""Commands that are functions: argparse reads what their annotated parameters declare."""
 
 from __future__ import annotations
 
+from argparse import BooleanOptionalAction
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from inspect import signature
+from pathlib import Path
+from types import NoneType
+from typing import Any, get_args, get_origin, get_type_hints
 
-from .cli_parameters import (
-    Argument,
-    Option,
-    Parameter,
-    UsageError,
-    end_of_options,
-    near_word,
-    parameters_of,
-    values_of,
-)
+from .cli_parser import Parser
 
-__all__ = ["Argument", "Command", "Commands", "Exit", "Option", "Parameter", "all_commands"]
+_HELP = "Show this message and exit."
+_VERSION = "Print the version and exit."
+_KINDS = {str: "TEXT", int: "INTEGER", Path: "PATH", bool: ""}
 
 
-class Exit(Exception):
-    """The end of a command with a status."""
+@dataclass(frozen=True)
+class Argument:
+    """What a parameter is that is given by its place; in ``Annotated[Path, Argument(help=…)]``."""
 
-    def __init__(self, status: int = 0) -> None:
-        super().__init__(status)
-        self.status = status
+    help: str
+    metavar: str | None = None
+    names: tuple[str, ...] = ()
+    callback: Callable[[Any], object] | None = None
+
+
+class Option(Argument):
+    """What a parameter is that is given by a name, such as ``--output``.
+
+    Without names it has that of the parameter; a bool then has ``--no-…``, too. `callback` is told
+    the value before the command runs.
+    """
+
+    def __init__(self, *names: str, help: str, **more: Any) -> None:
+        super().__init__(help, names=names, **more)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a function: its options, those that turn it off, the kind of its values."""
+
+    name: str
+    names: tuple[str, ...]
+    off: tuple[str, ...]
+    kind: Any
+    many: bool
+    required: bool
+    default: Any
+    told: Argument
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What each word stands for; none where it may be any."""
+        members = getattr(self.kind, "__members__", {})  # of an enumeration
+        return {str(each.value): each for each in members.values()}
+
+    @property
+    def metavar(self) -> str:
+        """The word that stands for its value."""
+        of_place = "" if self.names else self.name.upper() + "…" * self.many
+        return self.told.metavar or of_place or "|".join(self.choices) or _KINDS[self.kind]
+
+    def add_to(self, group: Any) -> None:
+        """Declare it to argparse; what is not given is left to the function's own default."""
+        how: dict[str, Any] = {"help": f"{self.told.help}{self._note()}".replace("%", "%%")}
+        if self.kind is bool:
+            how["action"] = BooleanOptionalAction if self.off else "store_true"
+        else:
+            choices = self.choices
+            how["type"] = (lambda word: choices.get(word, word)) if choices else self.kind
+            how["choices"] = list(choices) or None
+        if not self.names:
+            group.add_argument(
+                self.name, nargs="+*"[not self.required] if self.many else None, **how
+            )
+            return
+        if self.kind is not bool:
+            how |= {"metavar": self.metavar, "action": "append" if self.many else "store"}
+        group.add_argument(*self.names, dest=self.name, required=self.required, **how)
+
+    def _note(self) -> str:
+        shown = isinstance(self.default, str | int) and self.default not in ("", False, True)
+        return " [required]" * self.required + f" [default: {self.default}]" * shown
+
+
+def _parameters_of(function: Callable[..., None]) -> Iterator[Parameter]:
+    """Yield what ``name: Annotated[kind | None, told]`` declares, of a list or of one value."""
+    hints = get_type_hints(function, include_extras=True)
+    for name, each in signature(function).parameters.items():
+        kind, told = get_args(hints[name])
+        kind = get_args(kind)[0] if NoneType in get_args(kind) else kind
+        many = get_origin(kind) is list
+        kind = get_args(kind)[0] if many else kind
+        word = name.replace("_", "-")
+        bare = isinstance(told, Option) and not told.names
+        names = (f"--{word}",) if bare else told.names
+        off = (f"--no-{word}",) if bare and kind is bool else ()
+        required = each.default is each.empty
+        default = None if required else each.default
+        yield Parameter(name, names, off, kind, many, required, default, told)
 
 
 @dataclass(frozen=True)
@@ -45,33 +118,31 @@ class Command:
     @property
     def parameters(self) -> list[Parameter]:
         """Its parameters, in the function's order."""
-        return parameters_of(self.function)
+        return list(_parameters_of(self.function))
 
     def __call__(self, words: Sequence[str]) -> None:
         """Run it with the words behind its name."""
-        if "--help" in words[: end_of_options(words)]:
-            from .cli_help import command_help
-
-            print(command_help(self.path, self.help, self.parameters), end="")
-            return
-        try:
-            values = values_of(self.parameters, words)
-        except UsageError as error:
-            raise UsageError(f"{error}; see {self.path} --help") from None
+        parameters = self.parameters
+        places = [each for each in parameters if not each.names]
+        usage = (each.metavar if each.required else f"[{each.metavar}]" for each in places)
+        parser = Parser(self.path, " ".join(usage), self.help)
+        groups = [parser.add_argument_group(title) for title in ("Arguments", "Options")]
+        for each in parameters:
+            each.add_to(groups[bool(each.names)])
+        groups[1].add_argument("--help", action="help", help=_HELP)
+        parser.check_names(words)
+        values = vars(parser.parse_intermixed_args(words))
+        for each in parameters:
+            if each.told.callback is not None:
+                each.told.callback(values.get(each.name, each.default))
         self.function(**values)
 
 
 @dataclass(frozen=True)
 class Commands:
-    """Several commands under one word; called with no word they print their help.
+    """Commands under one word, `path`; called alone they print their help.
 
-    Parameters
-    ----------
-    help : str
-    path : str
-        The words that call them.
-    version : callable, optional
-        Prints the version, for ``--version``.
+    `version` prints it, for ``--version``.
     """
 
     help: str
@@ -93,31 +164,28 @@ class Commands:
         self.inner[commands.path.rpartition(" ")[2]] = commands
 
     def __call__(self, words: Sequence[str]) -> None:
-        """Run the command that the first word names with the others."""
-        if not words or words[0] == "--help":
-            from .cli_help import commands_help
-
-            told = {name: each.help for name, each in self.inner.items()}
-            with_version = self.version is not None
-            print(commands_help(self.path, self.help, told, version=with_version), end="")
-            raise Exit(0 if words else 2)
-        if words[0] == "--version" and self.version is not None:
+        """Run the command that the first word names with the others, which it alone parses."""
+        parser = Parser(self.path, "COMMAND …", self.help)
+        commands = parser.add_subparsers(title="Commands", metavar="COMMAND", dest="command")
+        for name, each in self.inner.items():
+            commands.add_parser(name, help=each.help.partition("\n")[0])
+        options = parser.add_argument_group("Options")
+        if self.version is not None:
+            options.add_argument("--version", action="store_true", help=_VERSION)
+        options.add_argument("--help", action="help", help=_HELP)
+        if not words:
+            parser.print_help()
+            raise SystemExit(2)
+        parser.check_names(words[:1])
+        chosen = parser.parse_args(words[:1]).command
+        if chosen is not None:
+            self.inner[chosen](words[1:])
+        elif self.version is not None:
             self.version()
-            return
-        chosen = self.inner.get(words[0])
-        if chosen is None:
-            known = ["--help", *["--version"] * (self.version is not None), *self.inner]
-            what = "option" if words[0].startswith("-") else "command"
-            near = near_word(words[0].partition("=")[0], known)
-            raise UsageError(f"no such {what} {words[0]!r}{near}; see {self.path} --help")
-        chosen(words[1:])
 
 
 def all_commands(commands: Commands) -> Iterator[Command | Commands]:
     """Yield commands and all below them."""
     yield commands
     for each in commands.inner.values():
-        if isinstance(each, Commands):
-            yield from all_commands(each)
-        else:
-            yield each
+        yield from all_commands(each) if isinstance(each, Commands) else [each]

@@ -36,7 +36,7 @@ BAD_INPUT = 2
 def _print_version() -> None:
     from importlib.metadata import version
 
-    print_parts(f"jounce {version('jounce')}")
+    print(f"jounce {version('jounce')}")
 
 
 app = cli.Commands(
@@ -59,10 +59,10 @@ def main() -> None:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _warner()
-            app(sys.argv[1:])
-            sys.stdout.flush()
-    except cli.Exit as end:
-        raise SystemExit(end.status) from None
+            try:
+                app(sys.argv[1:])
+            finally:  # also where a command ends with a status of its own
+                sys.stdout.flush()
     except KeyboardInterrupt:
         raise SystemExit(CHECK_FAILED) from None
     except BrokenPipeError:  # who reads has seen enough
@@ -117,7 +117,7 @@ def survey_command(
     else:
         print_parts(*found.page(), *written)
     if not all(check.met for check in found.requirements):
-        raise cli.Exit(CHECK_FAILED)
+        raise SystemExit(CHECK_FAILED)
 
 
 def _write_survey(

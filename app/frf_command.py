@@ -95,7 +95,7 @@ def frf_command(
         print_parts(*(f"note: {warning}" for warning in margins.warnings))
     _draw(measured, law, plot, quiet=as_json)
     if margins is not None and margins.stable is False:
-        raise cli.Exit(UNSTABLE)
+        raise SystemExit(UNSTABLE)
 
 
 def _controller_of(path: Path) -> Any:

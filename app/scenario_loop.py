@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -10,6 +11,7 @@ from typing import Any
 
 from ..analysis.measured import MeasuredResponse
 from ..analysis.tuning import tune_pid
+from ..analysis.warned import warned_of
 from ..plant import (
     PID,
     Axis,
@@ -64,7 +66,7 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
         raise ValueError(f"{scenario.path}: plant.frf: {TIME_RESPONSE}; margins need none of it")
     plant = plant_of(scenario)
     controller = controller_of(scenario, plant)
-    with _named(scenario, "feedforward"):
+    with _named(scenario, "feedforward"), filters_told():
         return ServoLoop(plant, controller, feedforward_of(scenario, plant, controller))
 
 
@@ -77,6 +79,14 @@ def _named(scenario: Scenario, key: str) -> Iterator[None]:
         raise ValueError(f"{scenario.path}: {key}: {error}") from None
 
 
+@contextmanager
+def filters_told() -> Iterator[None]:
+    """Leave out what a filter near the Nyquist frequency was warned of by itself, with its key."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".* of the Nyquist frequency of")
+        yield
+
+
 def controller_of(
     scenario: Scenario, plant: Inertia | Axis | MeasuredResponse
 ) -> PID | CascadedPI | Controller:
@@ -84,7 +94,15 @@ def controller_of(
     if scenario.controller == ControllerSection():
         with _named(scenario, "controller.specification"):
             return _law(scenario, plant, {})
-    section, run = scenario.controller, _run(scenario)
+    run = _run(scenario)
+    with filters_told():
+        return _controller(scenario, plant, run)
+
+
+def _controller(
+    scenario: Scenario, plant: Any, run: dict[str, Any]
+) -> PID | CascadedPI | Controller:
+    """Return the law behind its filters, or the law alone where nothing else is said."""
     law: PID | CascadedPI
     if scenario.gains == "design":
         with _named(scenario, "controller.specification"):
@@ -93,7 +111,7 @@ def controller_of(
         with _named(scenario, "controller.gains"):
             law = _law(scenario, plant, run)
     with _named(scenario, "controller.anti_windup"):
-        whole = Controller(law, **run, anti_windup=_anti_windup(section.anti_windup))
+        whole = Controller(law, **run, anti_windup=_anti_windup(scenario.controller.anti_windup))
     return law if whole == Controller(law) else whole
 
 
@@ -105,7 +123,8 @@ def _run(scenario: Scenario) -> dict[str, Any]:
         "discretisation": section.discretisation,
     }
     for number, given in enumerate(section.filters):
-        with _named(scenario, f"controller.filters[{number}]"):
+        key = f"controller.filters[{number}]"
+        with _named(scenario, key), warned_of(f"{scenario.path}: {key}"):
             filters.append(_filter(given))
             Controller(PID(1.0, 0.0, 0.0), filters=filters[-1:], **clock)
     return {"filters": tuple(filters), "delay": section.delay, **clock}

@@ -9,9 +9,10 @@ from typing import Any
 
 from ..analysis.loop_survey import Survey, survey
 from ..analysis.unstable_loop import UnstableLoopError
+from ..analysis.warned import warned_of
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
-from .scenario_loop import jerk_filter_of, servo_loop_of
+from .scenario_loop import filters_told, jerk_filter_of, servo_loop_of
 from .scenario_measured import MeasuredScenarioSurvey, survey_measured
 
 
@@ -75,16 +76,17 @@ def survey_file(
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
     moves, conditions = moves_of(scenario), survey_conditions(scenario)
     try:
-        found = survey(
-            loop,
-            moves,
-            jerk_filter=behind,
-            modes=scenario.modes,
-            specification=scenario.specification,
-            inertia_error=scenario.inertia_error,
-            **conditions,
-            labels=scenario.labels,
-        )
+        with warned_of(str(scenario.path)), filters_told():
+            found = survey(
+                loop,
+                moves,
+                jerk_filter=behind,
+                modes=scenario.modes,
+                specification=scenario.specification,
+                inertia_error=scenario.inertia_error,
+                **conditions,
+                labels=scenario.labels,
+            )
     except ValueError as error:
         kind = UnstableLoopError if isinstance(error, UnstableLoopError) else ValueError
         raise kind(f"{scenario.path}: {error}") from None

@@ -59,7 +59,7 @@ def sweep_command(
             client.close()
     if not found.is_whole:
         print(f"jounce: stopped: {found!r}; the same command goes on", file=sys.stderr)
-        raise cli.Exit(_INTERRUPTED)
+        raise SystemExit(_INTERRUPTED)
     files = _write(found, output)
     if as_json:
         from .json_output import print_json

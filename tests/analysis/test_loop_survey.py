@@ -1,5 +1,7 @@
 """Surveys of loops that no file describes."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,13 @@ from jounce.analysis import (
     Mode,
     Move,
     Specification,
+    Tracking,
     UnstableLoopError,
     loop_margins,
     residual_vibration,
     survey,
 )
-from jounce.plant import PID, Inertia, InertiaFeedforward, ServoLoop
+from jounce.plant import PID, Inertia, InertiaFeedforward, Ramp, ServoLoop
 from jounce.shaping import JerkFilter, Limits, min_time_move
 
 LOOP = ServoLoop(Inertia(1.0), PID(1.0, 1.0, 2.0), InertiaFeedforward(1.0))
@@ -66,3 +69,30 @@ def test_a_move_that_cannot_be_planned_is_named():
 def test_labels_are_those_given():
     labels = Labels("an axis", "length", "mm", 1e-3)
     assert survey(LOOP, [MOVE], labels=labels).plot().get_suptitle() == "an axis"
+
+
+@pytest.mark.parametrize("noun", ["moves", "modes", "tracking"])
+def test_two_of_one_name_are_refused(noun):
+    each = {"modes": Mode("first", 2.0), "tracking": Tracking("there", Ramp(1.0), 2.0)}
+    given = {"moves": [MOVE]} | {noun: [each.get(noun, MOVE)] * 2}
+    with pytest.raises(ValueError, match=f"^{noun}: '(there|first)' is there twice: give each a"):
+        survey(LOOP, **given)
+
+
+@pytest.mark.parametrize(
+    ("noun", "values", "message"),
+    [
+        (Specification, (0, 45.0, 12.0), "crossover_hz = 0: expected a positive, finite number"),
+        (Specification, (1.0, -45.0, 12.0), "phase_margin_deg = -45.0: expected a positive"),
+        (Specification, (1.0, 90.0, 12.0), "phase_margin_deg = 90.0: expected an angle between 0"),
+        (Specification, (1.0, 45.0, math.nan), "lower_gain_margin_db = nan: expected a positive"),
+        (Mode, ("a", -1.0), "frequency_hz = -1.0: expected a positive, finite number"),
+        (Mode, ("a", math.inf), "frequency_hz = inf: expected a positive, finite number"),
+        (Mode, ("a", 1.0, 1.0), "damping = 1.0: expected a ratio from 0 to below 1"),
+        (Mode, ("a", 1.0, -0.1), "damping = -0.1: expected a ratio from 0 to below 1"),
+    ],
+)
+def test_what_no_loop_can_have_is_refused(noun, values, message):
+    with pytest.raises(ValueError, match=f"^{message}") as refused:
+        noun(*values)
+    assert "\n" not in str(refused.value)

@@ -183,4 +183,18 @@ def test_a_missed_requirement_is_a_failed_check_and_a_warning_is_told_once(run, 
     assert "missed" in out
     assert Path("out/survey.json").exists() == ("-o" in options)
     (line,) = errors
-    assert line.startswith("jounce: warning: Notch at 450 Hz, 0.9 of the Nyquist frequency of 500")
+    assert line.startswith(
+        "jounce: warning: stage.toml: controller.filters[0]: "
+        "Notch at 450 Hz, 0.9 of the Nyquist frequency of 500"
+    )
+
+
+@pytest.mark.filterwarnings("default::RuntimeWarning")
+@pytest.mark.usefixtures("quick")
+def test_a_warning_of_a_move_names_file_and_move(run):
+    bounds = 'acceleration = "1 rad/s^2"\nderivative_11 = "1.5e16 rad/s^11"'
+    text = MISSED.replace('acceleration = "1 rad/s^2"', bounds).replace("450 Hz", "45 Hz")
+    Path("stage.toml").write_text(text, encoding="utf-8")
+    _, _, errors = run("survey", "stage.toml")
+    (line,) = errors
+    assert line.startswith("jounce: warning: stage.toml: move 'there': order 11 is above 10")

@@ -1,6 +1,9 @@
 """A command line that does not fit is refused in one line, with exit status 2."""
 
+import json
+
 import pytest
+from every_command import COMMANDS, options_of
 
 GOOD = "examples/telescope.toml"
 FRF = ("frf", "x.csv", "--kind", "loop")
@@ -9,7 +12,7 @@ DECEL = ("--velocity", "1 m/s", "--jerk", "1 m/s^3", "--decel", "1 m/s^2")
 REFUSED = {
     ("survey", GOOD, "--pdf"): ["--pdf without --output", "name the folder"],
     ("survey",): ["scenario"],
-    ("survey", GOOD, "--output"): ["--output", "requires an argument"],
+    ("survey", GOOD, "--output"): ["--output", "expected one argument"],
     ("survey", GOOD, "--out", "x"): ["unknown option --out", "--output?"],
     ("survey", GOOD, "-x"): ["-x"],
     ("export", "c", GOOD, "--block", "shaper"): ["--output", "jounce export c --help"],
@@ -38,6 +41,10 @@ REFUSED = {
     ("fmu", "run", GOOD, "--tolerance", "small"): ["--tolerance 'small'", "positive number"],
     ("fmu", "run", GOOD, "--tolerance", "nan"): ["--tolerance 'nan'", "positive number"],
     ("check",): ["scenario"],
+    ("survey", GOOD, "b.toml"): ["b.toml", "jounce survey --help"],
+    ("survey", GOOD, "--json=3"): ["--json", "'3'"],
+    ("fmu", "run", GOOD, "--set", "--json"): ["--set", "expected one argument"],
+    ("explore", GOOD, "--port", "a"): ["--port", "'a'"],
     ("nonsense",): ["'nonsense'", "jounce --help"],
     ("--versoin",): ["--versoin", "--version?"],
 }  # fmt: skip
@@ -51,6 +58,39 @@ def test_one_line_says_what_is_wrong(run, words):
     assert not any(part in errors[0] for part in ("Value error", "--csv", "Traceback"))
     for part in REFUSED[words]:
         assert part in errors[0]
+
+
+BOUND = "--acceleration", "1 mm/s^2"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("-2mm", *BOUND),
+        (*BOUND, "-2mm"),
+        (*BOUND, "--", "-2mm"),
+        ("--acceleration=1 mm/s^2", "-2e0mm"),
+        ("--from", "-1mm", *BOUND, "--to", "-3e0mm"),
+        ("-q", "--from=-1 mm", "--to=-3 mm", *BOUND),
+    ],
+    ids=" ".join,
+)
+def test_values_may_begin_with_a_dash_and_stand_anywhere(run, words):
+    """T = 2√(2/1) s."""
+    status, out, _ = run("plan", "--json", *words)
+    assert status == 0
+    told = json.loads(out)
+    assert told["duration_s"] == pytest.approx(8.0**0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_fits_into_80_columns_and_names_all(run, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "80")
+    status, out, errors = run(*name.split(), "--help")
+    assert (status, errors) == (0, [])
+    assert out.startswith(f"Usage: jounce {name} [OPTIONS]")
+    assert max(map(len, out.splitlines())) <= 80
+    assert all(option in out for option in options_of(name))
 
 
 @pytest.mark.parametrize("words", [(), ("fmu",), ("export",)], ids=str)
