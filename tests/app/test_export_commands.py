@@ -179,6 +179,8 @@ def test_a_digital_loop_leaves_as_it_is(run, block, monkeypatch):
     monkeypatch.setattr(scenario_blocks, "jerk_filter_of", lambda _: None)
     status, out, errors = run(block, "--output", "made")
     assert (status, errors) == (0, [])
+    assert "The controller runs" not in out
+    _, out, _ = run(block, "--output", "made", "--sample-time", "2 ms")
     assert ("The controller runs every 0.0005 s, as the scenario says" in out) == (block != "plant")
     header = Path("made", f"{block}.h").read_text()
     assert ("_SAMPLE_TIME 0.0005" in header) == (block != "plant")
