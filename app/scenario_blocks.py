@@ -259,13 +259,13 @@ def _lags_within(limits: Limits, behind: JerkFilter | None) -> JerkFilter:
     """Return equal lags, one for each derivative above the jerk, that keep the bounds on them.
 
     Behind n lags of rate ω derivative 3 + k of the motion, k ≤ n, is at most ω^k·2^(k − 1) times
-    the span of the jerk.
+    the span of the jerk. Lags that are there anyway count: no corner is higher than theirs.
     """
     low, high = limits.bounds(FOLLOWED)
-    if behind is not None or high - low == inf:
+    if high - low == inf:
         raise ValueError(
             f"has limits of order {limits.order}, and a follower keeps bounds up to the jerk, by "
-            "lags those above: give a bound on the jerk, and no [filter], or export the trajectory"
+            "lags those above: give a bound on the jerk, or export the trajectory"
         )
     span = 0.5 * (high - low)
     sides = (limits.bounds(FOLLOWED + k) for k in range(1, limits.order - FOLLOWED + 1))
@@ -273,7 +273,10 @@ def _lags_within(limits: Limits, behind: JerkFilter | None) -> JerkFilter:
         0.5 * (min(-below, above) / span) ** (1.0 / k)
         for k, (below, above) in enumerate(sides, start=1)
     )
-    return JerkFilter(min(rates) / tau, limits.order - FOLLOWED)
+    corner, order = min(rates) / tau, limits.order - FOLLOWED
+    if behind is not None:
+        corner, order = min(corner, behind.corner_hz), max(order, behind.order)
+    return JerkFilter(corner, order)
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:
