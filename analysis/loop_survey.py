@@ -29,7 +29,7 @@ from .peak_gain import PeakGain, peak_gain
 from .requirement_checks import RequirementCheck, requirement_checks
 from .specification import Labels, Mode, Move, Requirement, Specification, Tracking
 from .step_response import StepResponse, step_response
-from .surveyed_loop import compared_loops, decaying_poles, is_ideal, left_out
+from .surveyed_loop import compared_loops, decaying_poles, is_ideal, left_out, not_waited_for
 from .surveyed_moves import MoveResponse, MoveSurvey, move_survey
 from .unstable_loop import UnstableLoopError
 
@@ -344,6 +344,9 @@ def _notes(survey: Survey) -> Iterator[str]:
             f"without {without}. Moves, tracking, {labels.torque_name} step and standstill are "
             "simulated with all of it."
         )
+    slow = not_waited_for(survey.loop, decaying_poles(survey.margins))
+    if slow:
+        yield slow
     if axis.encoder_step and not survey.loop.is_digital:
         yield "A continuous controller does not see the encoder's resolution: give a sample time."
     for move in survey.moves:

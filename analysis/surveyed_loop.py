@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf
+from math import inf, log
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ Poles = NDArray[np.complex128]
 
 _GONE = 1e-3  # of z: what is left of such a mode after a sample is nothing
 _MOST_STEPS = 200_000
+_FADED = log(1e3)  # of a mode: at less, what is left at the end is told
 _TIMES, _TAIL_TIMES = 6_000, 2_000
 
 
@@ -46,10 +47,27 @@ def followed_until(loop: ServoLoop, poles: Poles, decay: float, lead: float = 0.
     A mode so slow that this takes 200,000 samples, or spans of the fastest pole, is not waited
     for.
     """
-    step = loop.controller_noun.sample_time or 1.0 / float(np.abs(poles).max())
     slowest = float(-poles.real.max())
     wait = decay / slowest if slowest > 0.0 else inf
-    return lead + min(wait, _MOST_STEPS * step)
+    return lead + min(wait, _longest(loop, poles))
+
+
+def _longest(loop: ServoLoop, poles: Poles) -> float:
+    step = loop.controller_noun.sample_time or 1.0 / float(np.abs(poles).max())
+    return _MOST_STEPS * step
+
+
+def not_waited_for(loop: ServoLoop, poles: Poles) -> str:
+    """Return a sentence on a mode that lasts longer than responses are followed; empty for none."""
+    slowest, longest = float(-poles.real.max()), _longest(loop, poles)
+    if slowest * longest > _FADED:
+        return ""
+    lasts = f"{1.0 / slowest:.3g} s" if slowest > 0.0 else "for ever"
+    return (
+        f"The slowest mode of the closed loop takes {lasts} to fall to 37 %, and responses are "
+        f"followed for {longest:.4g} s at most, {_MOST_STEPS:,} samples: 'never' and 'not by' are "
+        "of that time. Raise the gain that makes it so slow."
+    )
 
 
 def shown_times(begin: float, lead: float, duration: float) -> FloatArray:

@@ -235,8 +235,8 @@ def _tuned(
         programs += found.programs
         if not found.at_rest:
             raise ValueError(
-                "nothing limits the integral gain: the model has no delay, no mode and no filter "
-                "at high frequency; give delay=…, sample_time=… or derivative_filter=…"
+                "nothing limits the integral gain: the model lags by less than half a turn at all "
+                "high frequencies; give delay=…, sample_time=… or derivative_filter=…"
             )
         margins = _margins(loop, found.gains)
         passed = _passed(margins, around)
@@ -244,10 +244,16 @@ def _tuned(
             return TunedPID(loop.with_gains(found.gains), margins, programs)
         omega = np.sort(np.concatenate([omega, *(_beside(place) for place in passed)]))
         gains = _back_inside(loop.terms(omega), gains, found.gains, around)
-    place = f" at {margins.sensitivity_peak_hz:.4g} Hz" if margins.stable else ""
+    if not margins.stable:
+        raise ValueError(
+            f"no stable loop was found at the largest integral gain with |S| ≤ "
+            f"{1.0 / around[0].radius:.6g} and |T| ≤ {around[1].center / around[1].radius:.6g} "
+            "between the frequencies looked at; allow larger peaks"
+        )
     raise ValueError(
-        f"a resonance{place} is too sharp for the bounds to be kept on both sides of it; give the "
-        "modes of the model the damping that they have, 0.01 % or more"
+        f"a resonance at {margins.sensitivity_peak_hz:.4g} Hz is too sharp for the bounds to be "
+        "kept on both sides of it; give the modes of the model the damping that they have, "
+        "0.01 % or more"
     )
 
 

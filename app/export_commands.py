@@ -33,9 +33,12 @@ def export_c_command(
         str | None, cli.Option(help="What names in C begin with. Default: the block's.")
     ] = None,
     sample_time: Annotated[
-        str,
-        cli.Option(help="Of what has none of its own: a continuous controller, follower, shaper."),
-    ] = "1 ms",
+        str | None,
+        cli.Option(
+            help="Of what has none of its own: a continuous controller, follower, shaper. "
+            "Default: 1 ms."
+        ),
+    ] = None,
     overrides: OVERRIDES = None,
     as_json: AS_JSON = False,
     _: QUIET = False,
@@ -53,7 +56,7 @@ def export_c_command(
             read,
             block,
             output,
-            dt=seconds("--sample-time", sample_time),
+            dt=None if sample_time is None else seconds("--sample-time", sample_time),
             move=move,
             name=name,
         )

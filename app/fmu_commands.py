@@ -44,9 +44,12 @@ def export_command(
         ),
     ] = None,
     sample_time: Annotated[
-        str,
-        cli.Option(help="Of what has none of its own: a continuous controller, the follower."),
-    ] = "1 ms",
+        str | None,
+        cli.Option(
+            help="Of what has none of its own: a continuous controller, the follower. "
+            "Default: 1 ms."
+        ),
+    ] = None,
     platform: Annotated[
         list[str] | None,
         cli.Option(
@@ -74,7 +77,7 @@ def export_command(
             read,
             block,
             path,
-            dt=seconds("--sample-time", sample_time),
+            dt=None if sample_time is None else seconds("--sample-time", sample_time),
             move=move,
             fmi_version=fmi.value,
             platforms=_platforms(platform),

@@ -32,13 +32,16 @@ from .scenario_measured import measured_loop_of
 if TYPE_CHECKING:
     from ..fmu.exporting.ssp import SspExport
 
+USUAL_SAMPLE_TIME = 1e-3
+"""Of what has no sample time of its own, where none is asked for, in s."""
+
 
 def export_block(
     scenario: Scenario,
     block: BlockChoice,
     path: Path,
     *,
-    dt: float,
+    dt: float | None = None,
     move: str | None = None,
     fmi_version: str = "2.0",
     platforms: list[str] | None = None,
@@ -52,8 +55,8 @@ def export_block(
         A loop is an SSP.
     path : Path
         Of the file; its folder must exist. An existing file is replaced.
-    dt : float
-        Sample time of what is sampled: controller, follower.
+    dt : float, optional
+        Sample time of what is sampled and has none of its own: controller, follower. Default: 1 ms.
     move : str, optional
         Name of the move for a block of a move. Default: the first; of several, the notes say so.
     fmi_version : "2.0" or "3.0", optional
@@ -79,7 +82,7 @@ def export_block(
             path,
             trajectory_of(scenario, move),
             loop,
-            dt=None if loop.is_digital else dt,
+            dt=None if loop.is_digital else _running(dt),
             jerk_filter=jerk_filter_of(scenario),
             fmi_version=fmi_version,
             platforms=platforms,
@@ -96,7 +99,7 @@ def export_c_block(
     block: BlockChoice,
     folder: Path,
     *,
-    dt: float,
+    dt: float | None = None,
     move: str | None = None,
     name: str | None = None,
 ) -> tuple[CExport, tuple[str, ...]]:
@@ -109,8 +112,9 @@ def export_c_block(
         A loop is the servo.
     folder : Path
         As in `export_c`.
-    dt : float
-        Sample time of what is sampled: controller, follower, shaper.
+    dt : float, optional
+        Sample time of what is sampled and has none of its own: controller, follower, shaper.
+        Default: 1 ms.
     move : str, optional
         As in `export_block`.
     name : str, optional
@@ -146,10 +150,15 @@ def _chosen(scenario: Scenario, block: BlockChoice, move: str | None) -> tuple[s
     return (f"The move is {names[0]!r}, the first; --move takes another: {others}",)
 
 
+def _running(asked: float | None) -> float:
+    return USUAL_SAMPLE_TIME if asked is None else asked
+
+
 def _source(
-    scenario: Scenario, block: BlockChoice, dt: float, move: str | None
+    scenario: Scenario, block: BlockChoice, asked: float | None, move: str | None
 ) -> tuple[Any, tuple[str, ...]]:
     """Return what is to leave, and what is to be said of its sample time."""
+    dt = _running(asked)
     if block is BlockChoice.TRAJECTORY:
         return _trajectory(scenario, move), ()
     if block is BlockChoice.SHAPER and find_move(scenario, move).shapers:
@@ -162,11 +171,11 @@ def _source(
             raise ValueError(f"{scenario.path}: has no [filter]; add one, or export another block")
         return found, ()
     if scenario.body == "frf" and block is BlockChoice.CONTROLLER:
-        return _controller_on_data(scenario, dt)
+        return _controller_on_data(scenario, asked)
     loop = servo_loop_of(scenario)
     if block is BlockChoice.PLANT:
         return loop.plant, ()
-    told = _own_time(loop.controller_noun, dt)
+    told = _own_time(loop.controller_noun, asked)
     if block in (BlockChoice.LOOP, BlockChoice.SERVO):
         running, behind = None if loop.is_digital else dt, jerk_filter_of(scenario)
         return SampledLoop(trajectory_of(scenario, move), loop, running, behind), told
@@ -190,7 +199,7 @@ def _trajectory(scenario: Scenario, move: str | None) -> Any:
     )
 
 
-def _controller_on_data(scenario: Scenario, dt: float) -> tuple[Any, tuple[str, ...]]:
+def _controller_on_data(scenario: Scenario, asked: float | None) -> tuple[Any, tuple[str, ...]]:
     """Return the digital controller of a measured plant, without feedforward and limit."""
     controller = measured_loop_of(scenario)[1]
     if controller is None:
@@ -204,13 +213,13 @@ def _controller_on_data(scenario: Scenario, dt: float) -> tuple[Any, tuple[str, 
             f"{scenario.path}: controller: is continuous, and code runs in samples; write "
             'sample_time = "1 ms", that of the measured records'
         )
-    return DigitalController(noun), _own_time(noun, dt)
+    return DigitalController(noun), _own_time(noun, asked)
 
 
-def _own_time(controller: Controller, dt: float) -> tuple[str, ...]:
+def _own_time(controller: Controller, asked: float | None) -> tuple[str, ...]:
     """Return what is to be said where a controller's own sample time is another than asked for."""
     own = controller.sample_time
-    if own is None or own == dt:
+    if None in (own, asked) or own == asked:
         return ()
     return (
         f"The controller runs every {own!r} s, as the scenario says; --sample-time is for what has "
@@ -250,13 +259,13 @@ def _lags_within(limits: Limits, behind: JerkFilter | None) -> JerkFilter:
     """Return equal lags, one for each derivative above the jerk, that keep the bounds on them.
 
     Behind n lags of rate ω derivative 3 + k of the motion, k ≤ n, is at most ω^k·2^(k − 1) times
-    the span of the jerk.
+    the span of the jerk. Lags that are there anyway count: no corner is higher than theirs.
     """
     low, high = limits.bounds(FOLLOWED)
-    if behind is not None or high - low == inf:
+    if high - low == inf:
         raise ValueError(
             f"has limits of order {limits.order}, and a follower keeps bounds up to the jerk, by "
-            "lags those above: give a bound on the jerk, and no [filter], or export the trajectory"
+            "lags those above: give a bound on the jerk, or export the trajectory"
         )
     span = 0.5 * (high - low)
     sides = (limits.bounds(FOLLOWED + k) for k in range(1, limits.order - FOLLOWED + 1))
@@ -264,7 +273,10 @@ def _lags_within(limits: Limits, behind: JerkFilter | None) -> JerkFilter:
         0.5 * (min(-below, above) / span) ** (1.0 / k)
         for k, (below, above) in enumerate(sides, start=1)
     )
-    return JerkFilter(min(rates) / tau, limits.order - FOLLOWED)
+    corner, order = min(rates) / tau, limits.order - FOLLOWED
+    if behind is not None:
+        corner, order = min(corner, behind.corner_hz), max(order, behind.order)
+    return JerkFilter(corner, order)
 
 
 def find_move(scenario: Scenario, name: str | None) -> Move:

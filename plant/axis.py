@@ -302,7 +302,9 @@ def system_axis(system: Any, **others: Any) -> Axis:
         As in `Axis`, but for J, modes, viscous, load_viscous and spring, which the system has.
         J is then the inertia that it shows at low frequency, nan if it does not move freely.
     """
-    given = state_space(system)
+    given = state_space(
+        system, improper="give two poles more than zeros at least, from torque to position"
+    )
     if given.ninputs != 1 or given.noutputs != 1 or given.isdtime(strict=True):
         raise ValueError(
             f"system with {given.ninputs} inputs and {given.noutputs} outputs"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -178,11 +179,26 @@ def refuse_data(system: Any) -> None:
         )
 
 
-def state_space(system: Any) -> control.StateSpace:
-    """Return an LTI system in state space, its signal names kept."""
+def _check_finite(*parts: Any) -> None:
+    for number in np.concatenate([np.ravel(part) for part in parts]).tolist():
+        if not isfinite(number):
+            raise ValueError(f"system with {number} in it: expected finite numbers")
+
+
+def state_space(
+    system: Any,
+    *,
+    improper: str = "feed it a derivative of the trajectory instead (derivatives=…), one power of "
+    "s less for each",
+) -> control.StateSpace:
+    """Return an LTI system in state space, its signal names kept.
+
+    `improper` is the remedy for a transfer function with more zeros than poles.
+    """
     import control
 
     if isinstance(system, control.StateSpace):
+        _check_finite(system.A, system.B, system.C, system.D)
         return system
     refuse_data(system)
     if not isinstance(system, control.TransferFunction):
@@ -190,15 +206,13 @@ def state_space(system: Any) -> control.StateSpace:
             f"got {type(system).__name__}: expected a python-control StateSpace or "
             "TransferFunction; linearise a nonlinear system first (control.linearize)"
         )
+    _check_finite(*np.ravel(system.num_array), *np.ravel(system.den_array))
     degrees = [
         tuple(len(np.trim_zeros(part, "f")) - 1 for part in fraction)
         for fraction in zip(np.ravel(system.num_array), np.ravel(system.den_array), strict=True)
     ]
     if any(above > below for above, below in degrees):
-        raise ValueError(
-            "improper transfer function: feed it a derivative of the trajectory instead "
-            "(derivatives=…), one power of s less for each"
-        )
+        raise ValueError(f"improper transfer function: {improper}")
     if any(below for _, below in degrees):
         return control.ss(system)
     return static_gain(

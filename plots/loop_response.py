@@ -82,9 +82,11 @@ def _show_limits(response: LoopResponse, ax: Axes, unit: str) -> None:
     if response.scene is None:
         return
     _draw_limit(ax, response.scene.axis.torque_limit, unit)
-    for start, end in response.stick_intervals if response.scene.axis.friction else ():
+    stuck = response.stick_intervals if response.scene.axis.friction else ()
+    for k, (start, end) in enumerate(stuck):
         for panel in ax.figure.axes:
-            panel.axvspan(start, end, color=GREY, alpha=0.15, linewidth=0.0)
+            label = "stuck" if panel is ax and not k else None
+            panel.axvspan(start, end, color=GREY, alpha=0.15, linewidth=0.0, label=label)
 
 
 def _draw_tolerance(ax: Axes, tolerance: float, unit: str) -> None:

@@ -116,7 +116,7 @@ def plot_load_error(survey: Survey, move: MoveSurvey, *, ax: Axes) -> Axes:
     label = f"command ends, {move.duration_s:.4g} s"
     ax.axvline(move.duration_s, color=GREY, linestyle=":", label=label)
     if isfinite(settled):
-        label = f"load settled, {settled:.4g} s"
+        label = f"load settled about its goal, {settled:.4g} s"
         ax.axvline(settled, color=ORANGE, linestyle="--", label=label)
     _beyond_tolerance(ax, tolerance)
     title = "" if isfinite(settled) else f"not settled {_within(move)}"

@@ -50,7 +50,7 @@ def check_fed(trajectory: Trajectory, derivatives: Sequence[int]) -> None:
         if d > trajectory.order:
             raise ValueError(
                 f"{derivative_name(d)} of a trajectory of order {trajectory.order} is a train of "
-                f"impulses: use limits up to {derivative_name(d)} at least"
+                f"impulses: use limits up to {derivative_name(max(derivatives))} at least"
             )
 
 

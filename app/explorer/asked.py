@@ -140,7 +140,7 @@ def _missing(state: State, section: str) -> Iterator[tuple[str, Any]]:
     if section not in usual:
         raise ValueError(f"section {section!r}: expected one of {', '.join(usual)}")
     for name, begin in usual[section](state):
-        if name not in there:
+        if name not in there and name.replace("torque", "force") not in there:
             yield name, begin
 
 

@@ -14,7 +14,7 @@ from typing import SupportsIndex, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..limits import Limits
+from ..limits import Limits, check_plain, one_sided
 from ..pieces import FloatArray
 
 AT_ONCE = 8192  # problems whose arrays stay in the processor's cache, worth a thread of their own
@@ -94,6 +94,27 @@ def table(limits: Limits, shape: Shape, some: slice) -> FloatArray:
 def limits_of(limits: Limits, shape: Shape, index: Index) -> Limits:
     """Return the limits of the problems that an index selects in a batch of this shape."""
     return limits.each(lambda side: np.broadcast_to(side, shape)[index])
+
+
+def limits_of_one(limits: Limits, shape: Shape, index: Index) -> Limits:
+    """Return the limits of one problem, of a lower order where its jerk is infinite."""
+    own = limits_of(limits, shape, index)
+    return Limits.from_bounds([own.bounds(k) for k in range(1, own.order + 1)])
+
+
+def check_of_many(limits: Limits, check: Callable[[Limits], None]) -> None:
+    """Refuse limits as `check` does, but for an infinite jerk of some problems of order 3."""
+    if limits.order != 3 or limits.both_sides:
+        check(limits)
+        return
+    check_plain(limits)
+    acceleration, jerk = (
+        np.isfinite(limits.lower[k]) & np.isfinite(limits.upper[k]) for k in (1, 2)
+    )
+    free = np.isinf(limits.lower[2]) & np.isinf(limits.upper[2])
+    right = jerk | (free & acceleration)
+    if not np.all(right):
+        raise one_sided(limits, right, "both bounds of the highest derivative")
 
 
 def index_text(problem: int, shape: Shape) -> str:

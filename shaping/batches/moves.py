@@ -18,7 +18,17 @@ from ..plain_moves import plain_move
 from ..trajectory import Trajectory
 from ..trajectory_checks import finite_array
 from .closed_forms import ClosedForms
-from .lanes import Index, Shape, in_threads, index_text, lanes, limits_of, table
+from .lanes import (
+    Index,
+    Shape,
+    check_of_many,
+    in_threads,
+    index_text,
+    lanes,
+    limits_of,
+    limits_of_one,
+    table,
+)
 
 LOW = 3
 """Highest order that the core plans."""
@@ -33,7 +43,8 @@ def min_time_moves(distances: ArrayLike, limits: Limits, *, start: ArrayLike = 0
         Signed, in the limits' distance unit; zero gives a move of duration zero. One number
         stands for all.
     limits : Limits
-        Of numbers, which hold for every move, or of arrays.
+        Of numbers, which hold for every move, or of arrays. Of order 3, the jerk of some may be
+        infinite: they are planned as moves of order 2.
     start : float or (N,) array, optional
         Position at the start.
 
@@ -80,7 +91,7 @@ def min_time_moves(distances: ArrayLike, limits: Limits, *, start: ArrayLike = 0
     """
     if not isinstance(limits, Limits):
         raise not_limits(limits)
-    check_move_limits(limits)
+    check_of_many(limits, check_move_limits)
     lengths, starts = finite_array("distances", distances), finite_array("start", start)
     shape = _shape(lengths, starts, limits)
     duration = np.empty(shape)
@@ -136,7 +147,7 @@ class Moves(Frozen):
 
     def alone(self, index: Index) -> Trajectory:
         """Return one motion."""
-        limits = limits_of(self.limits, self.distances.shape, index)
+        limits = limits_of_one(self.limits, self.distances.shape, index)
         distance, start = float(self.distances[index]), float(self.starts[index])
         return plain_move(distance, limits, start, "closed-form")
 

@@ -11,12 +11,22 @@ from ... import core
 from ..batch import MotionBatch
 from ..checks import range_error
 from ..frozen import Frozen
-from ..limits import Limits, check_plain, not_limits, one_sided
+from ..limits import Limits, not_limits
 from ..pieces import FloatArray
 from ..trajectory_checks import finite_numbers
 from ..transfers.problem import Transfer, check_orders
 from ..transfers.transfer import min_time_transfer
-from .lanes import Index, Shape, in_threads, index_text, limits_of, table, together
+from .lanes import (
+    Index,
+    Shape,
+    check_of_many,
+    in_threads,
+    index_text,
+    limits_of,
+    limits_of_one,
+    table,
+    together,
+)
 
 
 def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> MotionBatch:
@@ -59,7 +69,7 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     """
     if not isinstance(limits, Limits):
         raise not_limits(limits)
-    _check(limits)
+    check_of_many(limits, check_orders)
     order = limits.order
     states = [_states(name, value, order) for name, value in (("starts", starts), ("ends", ends))]
     shape = _shape(*(state.shape[:-1] for state in states), limits.shape)
@@ -117,10 +127,9 @@ class Transfers(Frozen):
 
     def alone(self, index: Index) -> Transfer:
         """Return one motion; InfeasibleError where there is none."""
-        limits = limits_of(self.limits, self.counts.shape, index)
+        limits = limits_of_one(self.limits, self.counts.shape, index)
         start, end = (_of(rows, self.counts.shape, index) for rows in (self.starts, self.ends))
-        bounds = [limits.bounds(k) for k in range(1, limits.order + 1)]  # without infinite ones
-        return min_time_transfer(start.tolist(), end.tolist(), Limits.from_bounds(bounds))
+        return min_time_transfer(start.tolist(), end.tolist(), limits)
 
     def fill(self, some: slice, rooms: tuple[FloatArray, FloatArray, FloatArray]) -> None:
         """Plan some, counted in C order; see `Problems`."""
@@ -130,21 +139,6 @@ class Transfers(Frozen):
         """Return starts, ends and bounds of some, counted in C order, or those of one for all."""
         bounds = table(self.limits, self.counts.shape, some)
         return _rows(self.starts, some), _rows(self.ends, some), bounds
-
-
-def _check(limits: Limits) -> None:
-    """Refuse limits of which a problem cannot be planned; some may have no bound on the jerk."""
-    if limits.order != 3 or limits.both_sides:
-        check_orders(limits)
-        return
-    check_plain(limits)
-    acceleration, jerk = (
-        np.isfinite(limits.lower[k]) & np.isfinite(limits.upper[k]) for k in (1, 2)
-    )
-    free = np.isinf(limits.lower[2]) & np.isinf(limits.upper[2])
-    right = jerk | (free & acceleration)
-    if not np.all(right):
-        raise one_sided(limits, right, "both bounds of the highest derivative")
 
 
 def _of(rows: FloatArray, shape: Shape, index: Index) -> FloatArray:

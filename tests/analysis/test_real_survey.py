@@ -43,6 +43,7 @@ from jounce.analysis.limit_cycles import (
 from jounce.plant import (
     PID,
     Axis,
+    CascadedPI,
     Clamp,
     Controller,
     Friction,
@@ -463,3 +464,15 @@ def test_a_continuous_loop_that_sticks_for_hours_is_surveyed():
 def test_what_no_survey_takes_is_refused(given, told):
     with pytest.raises(TypeError, match=told):
         survey(**{"loop": REAL, "moves": [], **given})
+
+
+def test_a_mode_too_slow_to_wait_for_is_told_in_one_line():
+    def told(position_gain):
+        law = CascadedPI(position_gain, 10.0, reset_time=1.0)
+        loop = ServoLoop(Axis(1.0, torque_limit=50.0), Controller(law, sample_time=0.05))
+        return [line for line in survey(loop, []).notes if line.startswith("The slowest mode")]
+
+    [line] = told(1e-8)
+    assert "takes 1e+08 s to fall to 37 %" in line
+    assert "for 1e+04 s at most, 200,000 samples" in line
+    assert told(1.0) == []

@@ -130,6 +130,12 @@ def test_a_resonance_without_damping_is_named_and_the_remedy_works(monkeypatch):
     assert tune_pid(damped, **timing).margins.sensitivity_peak < 1.6001
 
 
+def test_bounds_that_no_stable_loop_keeps_are_no_sharp_resonance():
+    axis = Axis(1.0, modes=[FlexibleMode(20.0, 0.01, load_fraction=0.5)])
+    with pytest.raises(ValueError, match=r"no stable loop .* \|S\| ≤ 1.001 .* allow larger peaks"):
+        tune_pid(axis, max_sensitivity=1.001, sample_time=0.2, delay=0.3)
+
+
 def test_an_unreachable_bound_says_what_came_nearest():
     unstable = control.tf([1.0], [1.0, 0.0, -90_000.0])
     with pytest.raises(ValueError, match="no PID that keeps the bounds was found"):

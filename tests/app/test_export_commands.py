@@ -108,6 +108,20 @@ def test_lags_behind_a_follower_keep_the_bounds_above_the_jerk(bounds):
     assert -20.0 <= states[3].min() < 0.0 < states[3].max() <= 30.0
 
 
+@pytest.mark.parametrize(("corner", "order"), [(0.5, 1), (500.0, 3)])
+def test_lags_of_a_filter_keep_the_bounds_above_the_jerk_too(corner, order):
+    def follower(filtered):
+        text = SCENARIO.replace('"2 m/s^2"}', '"2 m/s^2", jerk = "20 m/s^3", crackle = "2 km/s^5"}')
+        Path("axis.toml").write_text(text.replace("filter =", f"{filtered}#"), encoding="utf-8")
+        return scenario_blocks._follower_of(load_scenario("axis.toml"), 1e-3, None)[0]
+
+    alone = follower("").jerk_filter
+    assert alone.order == 2
+    both = follower(f'filter = {{corner = "{corner} Hz", order = {order}}} ').jerk_filter
+    assert both.corner_hz == min(corner, alone.corner_hz)
+    assert both.order == max(order, alone.order)
+
+
 @pytest.mark.parametrize("verb", ["c", "fmu"])
 @pytest.mark.parametrize("block", BlockChoice)
 def test_blocks_have_the_same_names_in_c_and_fmu(run, verb, block):
@@ -179,6 +193,8 @@ def test_a_digital_loop_leaves_as_it_is(run, block, monkeypatch):
     monkeypatch.setattr(scenario_blocks, "jerk_filter_of", lambda _: None)
     status, out, errors = run(block, "--output", "made")
     assert (status, errors) == (0, [])
+    assert "The controller runs" not in out
+    _, out, _ = run(block, "--output", "made", "--sample-time", "2 ms")
     assert ("The controller runs every 0.0005 s, as the scenario says" in out) == (block != "plant")
     header = Path("made", f"{block}.h").read_text()
     assert ("_SAMPLE_TIME 0.0005" in header) == (block != "plant")

@@ -1,6 +1,6 @@
 """The axis: closed forms at random frequencies, equal descriptions, refusals."""
 
-from math import inf, pi, sqrt
+from math import inf, nan, pi, sqrt
 
 import control
 import numpy as np
@@ -125,6 +125,8 @@ def test_any_system_is_an_axis():
         (lambda: Axis(1.0, modes=[FlexibleMode(6.0, load_fraction=0.5)] * 2), "held=True"),
         (lambda: chain_axis([1.0, 2.0], [1.0, 2.0]), "expected 1 finite"),
         (lambda: system_axis(control.tf([1.0], [1.0, 1.0])), "two poles more"),
+        (lambda: system_axis(control.tf([1.0, 0, 0], [1.0, 1.0])), "improper .* two poles more"),
+        (lambda: system_axis(control.tf([nan], [1.0, 1.0, 0])), "system with nan in it"),
     ],
 )
 def test_what_no_axis_is_gets_one_line(make, words):

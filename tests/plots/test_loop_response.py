@@ -24,6 +24,7 @@ def test_a_sticking_flexible_axis_shows_load_limit_and_bands():
     assert [line.get_label() for line in above.lines] == ["command", "measured", "load"]
     np.testing.assert_array_equal(middle.lines[1].get_ydata(), response.load_error / 1e-3)
     assert [line.get_ydata()[0] for line in below.lines[2:]] == [14.0, -14.0]
+    assert [text.get_text() for text in below.get_legend().get_texts()].count("stuck") == 1
     assert len(above.patches) == len(response.stick_intervals) > 1
     plt.close(figure)
 

@@ -16,7 +16,7 @@ from strategies import any_trajectory, smooth_trajectory
 from tiers import some
 
 from jounce.shaping import Limits, Trajectory, min_jerk_move, min_time_move
-from jounce.shaping.propagate import grid, propagate
+from jounce.shaping.propagate import check_fed, grid, propagate
 
 FEW = settings(max_examples=settings.default.max_examples // 2)
 
@@ -385,6 +385,11 @@ def test_the_grid_does_not_pass_its_end(duration, dt, count):
 
 
 # Errors
+
+
+def test_the_remedy_names_the_highest_derivative_that_is_fed():
+    with pytest.raises(ValueError, match=r"jerk of a trajectory of order 2 .* up to snap at least"):
+        check_fed(smooth_trajectory(1, 2), range(5))
 
 
 @pytest.mark.parametrize(

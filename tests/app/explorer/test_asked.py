@@ -124,3 +124,13 @@ def test_what_cannot_be_asked_is_told_in_one_line(tmp_path, message, says):
     assert says in text
     assert "\n" not in text
     assert session.state is before
+
+
+def test_a_force_step_is_the_torque_step_of_a_linear_axis(tmp_path):
+    text = (EXAMPLES / "gantry_crane.toml").read_text()
+    state = opened(written(tmp_path, text.replace("torque_step", "force_step")))
+    more = {each["name"]: each["more"] for each in asked_part(state)["elements"]}
+    assert "torque_step" not in more["disturbances"]
+    assert "wind" in more["disturbances"]
+    with pytest.raises(ValueError, match="torque_step: expected one of"):
+        with_asked(state, "disturbances", "torque_step")

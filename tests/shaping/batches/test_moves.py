@@ -326,3 +326,21 @@ def test_a_lane_lasts_as_long_as_its_batch_says_to_the_bit(order, even):
     lanes = [batch[i] for i in range(len(problems))]
     assert [lane.duration for lane in lanes] == batch.duration.tolist()
     assert [float(lane.breaks[-1]) for lane in lanes] == batch.duration.tolist()
+
+
+@pytest.mark.parametrize("low", [-1.0, -0.6])
+def test_some_of_many_may_have_no_bound_on_the_jerk(low):
+    """They are planned as they are alone, where an infinite jerk is none."""
+    rng = np.random.default_rng(6)
+    jerk = np.where(rng.uniform(size=30) < 0.5, inf, rng.uniform(2.0, 60.0, 30))
+    distances = np.where(np.arange(30) == 7, 0.0, rng.normal(0.0, 2.0, 30))
+    batch = min_time_moves(distances, Limits((2.0 * low, 2.0), (4.0 * low, 4.0), jerk))
+    times = np.linspace(0.0, 5.0, 7)
+    for i, (distance, bound) in enumerate(zip(distances.tolist(), jerk.tolist(), strict=True)):
+        limits = Limits((2.0 * low, 2.0), (4.0 * low, 4.0), bound)
+        alone = min_time_move(distance, limits, method="closed-form")
+        assert batch[i].order == alone.order == (2 if bound == inf else 3)
+        assert batch.duration[i] == pytest.approx(alone.duration, rel=1e-12)
+        np.testing.assert_allclose(batch(times)[i], alone(times), rtol=0.0, atol=1e-12)
+    with pytest.raises(ValueError, match=r"jerk of problem 1 is bounded in one direction only"):
+        min_time_moves(1.0, Limits(2.0, 4.0, (np.array([-9.0, -9.0]), np.array([9.0, inf]))))
