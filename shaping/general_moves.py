@@ -89,5 +89,5 @@ def _whole_move(
     if move is None or (closed is not None and closed.duration < move.duration):
         move = closed
     assert move is not None
-    warn_if_far(plan, rtol, move.duration, stacklevel=5)
+    warn_if_far(plan, rtol, move.duration)
     return move

@@ -7,6 +7,7 @@ from math import ceil, inf
 from typing import TYPE_CHECKING
 
 from .checks import in_range, positive
+from .endings import slowed_to
 from .limits import Limits
 from .trajectory import Trajectory
 
@@ -46,7 +47,7 @@ def move_lasting(
             from .optimal.gentlest import gentlest_move  # which loads linear programs
 
             return gentlest_move(move, limits, wanted)
-        return move if wanted == least else move.stretch(wanted / least)
+        return move if wanted == least else slowed_to(move, wanted)
     from .transfers.problem import Problem
 
     start, end = (float(state[0]) for state in (move.start_state, move.end_state))
@@ -98,7 +99,7 @@ def _gentlest(problem: Problem, duration: float) -> Transfer:
     if any((*best.start[1:], *best.end[1:])):
         return replace(best.lasting(duration), limits=problem.limits)
     fastest = best.fastest().trajectory
-    return Transfer(fastest.stretch(duration / fastest.duration), problem.limits)
+    return Transfer(slowed_to(fastest, duration), problem.limits)
 
 
 def _with_share(problem: Problem, exponent: float, duration: float) -> Problem | None:

@@ -7,6 +7,7 @@ from functools import partial
 from math import exp, log
 
 from ..closed_moves import fastest, planned
+from ..endings import slowed_to
 from ..limits import Limits
 from ..trajectory import Trajectory, within_range
 from .minimum_time import improved
@@ -68,7 +69,7 @@ def gentlest_move(
         at = ahead if low < ahead < high else 0.5 * (low + high)
         after = late(at)
         low, high = (at, high) if after > 0.0 else (low, at)
-    return best.stretch(duration / best.duration)
+    return slowed_to(best, duration)
 
 
 def with_share(share: float, limits: Limits) -> Limits:

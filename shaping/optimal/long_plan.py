@@ -7,6 +7,7 @@ from math import inf, ldexp
 
 import numpy as np
 
+from ..endings import ended
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Trajectory
@@ -134,7 +135,7 @@ def _planned(
         return None
     dwell = (distance - float(onto.problem.end[0] + off.problem.end[0])) / cruise
     ridden = _motion(off).reverse().mirror()
-    motion = _ending(_motion(onto).shift(start[0]).then(ridden, dwell=dwell), end)
+    motion = ended(_motion(onto).shift(start[0]).then(ridden, dwell=dwell), end)
     if limits.bounds_position and motion.violation(limits) > _ROUNDING:
         return None
     return LongPlan(motion, _proven(start, end, limits, _reach(onto), _reach(off)))
@@ -205,14 +206,6 @@ def _off(turned: Numbers, way: float, cruise: float, limits: Limits, rtol: float
 def _motion(plan: Plan) -> Trajectory:
     assert plan.trajectory is not None  # of a plan that is found
     return plan.trajectory
-
-
-def _ending(motion: Trajectory, end: Numbers) -> Trajectory:
-    """Return a motion with its end to the last bit."""
-    state = np.append(np.array(end), 0.0)
-    return Trajectory.from_arrays(
-        motion.breaks, motion.states, motion.durations, state, motion.coasting
-    )
 
 
 def _reach(plan: Plan) -> _Reach:

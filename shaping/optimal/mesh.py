@@ -33,7 +33,7 @@ def graded_mesh(move: Trajectory, cells: int) -> FloatArray:
     even = np.linspace(0.0, 1.0, cells + 1)
     crowded = np.abs(even[:, None] - measure).min(axis=1) * cells < _CROWDED
     filled = np.interp(even[~crowded], measure, breaks)
-    kept = _apart(measure, _CROWDED / cells if len(breaks) > cells else 0.0)
+    kept = apart(measure, _CROWDED / cells if len(breaks) > cells else 0.0)
     return np.unique(np.round(np.concatenate([breaks[kept], filled]), _DECIMALS))
 
 
@@ -58,7 +58,7 @@ def with_touches(
     return np.union1d(nodes, np.round(added[apart], _DECIMALS))
 
 
-def _apart(measure: FloatArray, least: float) -> np.typing.NDArray[np.bool_]:
+def apart(measure: FloatArray, least: float) -> np.typing.NDArray[np.bool_]:
     """Tell which of increasing values to keep so that neighbours are `least` apart, ends always."""
     kept = np.ones(len(measure), dtype=bool)
     last = measure[0]

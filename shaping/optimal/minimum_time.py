@@ -9,7 +9,6 @@ half is the mirror image. What the optimum looks like: Wang & Hu, arXiv 2311.070
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +17,7 @@ from ..closed_moves import closed_form_move
 from ..limits import Limits
 from ..pieces import FloatArray, evaluate
 from ..trajectory import Trajectory
+from ..warned import warn_caller
 from .half_motion import Half, merged, whole_move
 from .half_problem import Farthest, HalfProblem, HalfProgram, duration_of
 from .mesh import graded_mesh, split_losses, split_sudden, split_switches
@@ -57,12 +57,10 @@ def faster_or_warn(closed: Trajectory, limits: Limits) -> Trajectory:
         if limits.order > MAX_OPTIMAL_ORDER
         else "these limits are too far apart for the linear program"
     )
-    warnings.warn(
+    warn_caller(
         f"{reason}: this move is the fastest closed form, which may be "
         + (f"up to {100.0 * lost:.2g} % " if lost < 1.0 else "")
-        + "slower than need be",
-        RuntimeWarning,
-        stacklevel=5,  # the caller of min_time_move
+        + "slower than need be"
     )
     return closed
 

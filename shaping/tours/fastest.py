@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..endings import ended
 from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Motion, Trajectory, as_trajectory
@@ -96,7 +97,7 @@ def _joined(course: Course, route: Route, legs: PlannedLegs) -> Found:
     times = np.concatenate([[0.0], np.cumsum(durations)])
     axes = [_in_a_row([leg[k] for leg in motions], times) for k in range(len(course.limits))]
     if route.legs[-1].kind != "scan":
-        axes = [_ended(one, x) for one, x in zip(axes, route.nodes[-1].place, strict=True)]
+        axes = [ended(one, (x,)) for one, x in zip(axes, route.nodes[-1].place, strict=True)]
     at_nodes = times[int(begins) :][: len(route.nodes)]
     return Found(axes, at_nodes, _passed(course, route, axes, at_nodes))
 
@@ -114,13 +115,6 @@ def _in_a_row(motions: Sequence[Motion], times: FloatArray) -> Trajectory:
         np.concatenate([part.durations for part in parts]),
         end,
     )
-
-
-def _ended(motion: Trajectory, position: float) -> Trajectory:
-    """Return a motion that ends where it should to the last bit."""
-    end = motion.end_state.copy()
-    end[0] = position
-    return Trajectory.from_arrays(motion.breaks, motion.states, motion.durations, end)
 
 
 def _passed(

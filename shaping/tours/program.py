@@ -11,7 +11,7 @@ import numpy as np
 from ..limits import Limits
 from ..pieces import FloatArray
 from .legs import States
-from .mesh import equal_cells, finer
+from .mesh import finer, first_cells
 from .route import Leg, Node, reach_along
 from .sparse_rows import Columns, SparseRows
 from .tangents import End, LegMotion
@@ -135,7 +135,7 @@ class Program:
             self._first.append(self._first[-1] + count)
         self.inputs = self._first[-1]
         self._cells = len(stretch.legs) + self.inputs
-        self.meshes = [equal_cells(one.order) for leg in stretch.legs for one in leg.limits]
+        self.meshes = [first_cells(one.order) for leg in stretch.legs for one in leg.limits]
 
     def first(self, durations: Sequence[float]) -> Iterate:
         """Return what to begin with: durations, and a stop at every node."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..checks import finite, positive
+from ..endings import ended
 from ..limits import Limits, of_one
 from ..moves import min_time_move
 from ..optimal.long_plan import LongPlan, long_plan
@@ -36,7 +37,7 @@ def whole_transfer(
         return Transfer(_standing(begin), limits)
     if not any((*begin[1:], *finish[1:])):
         move = min_time_move(finish[0] - begin[0], limits, start=begin[0], rtol=rtol)
-        return Transfer(move, limits)
+        return Transfer(ended(move, finish), limits)
     plan: LongPlan | Plan | None = long_plan(begin, finish, limits, rtol=rtol)
     plan = plan or found_plan(begin, finish, limits, rtol=rtol)
     motion = plan.trajectory

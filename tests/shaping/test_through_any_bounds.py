@@ -183,3 +183,16 @@ def test_a_leg_between_scans_is_planned_between_moving_states_within_stops():
     assert path.violation(limits) <= 1e-9
     turn = min_time_transfer((0.9, 0.3), (0.7, -0.3), limits).duration
     assert path.times[2] - path.times[1] == pytest.approx(turn, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_ramps_that_are_short_against_their_legs_are_no_reason_to_stop():
+    limits = Limits(velocity=(-2.0, 1.0), acceleration=(-10.0, 1.0), jerk=100.0, snap=1e4)
+    points = np.array([(0.0, 0.0), (3.0, 0.1), (3.0, 4.0), (0.02, 0.02)])
+    path = through(points, limits)
+    stops = sum(
+        max(min_time_move(float(way), limits).duration for way in leg if way)
+        for leg in np.diff(points, axis=0)
+    )
+    assert path.duration < stops - 0.5
+    assert all(axis.violation(limits) <= 1e-12 for axis in path)

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...pieces import FloatArray
+from ..mesh import apart
 from .problem import WholeProblem
 from .search import Search
 from .warm_program import Effort
@@ -36,7 +37,7 @@ def grid_by_rest(problem: WholeProblem, time: float, effort: Effort) -> FloatArr
     begun = there.nodes * there.best.time / time
     left = 1.0 - (1.0 - onward.nodes) * onward.best.time / time
     nodes = np.concatenate([begun[begun < 0.5], left[left > 0.5]])
-    return np.asarray(nodes[np.concatenate([[True], np.diff(nodes) > _APART])])
+    return np.asarray(nodes[apart(nodes, _APART)])
 
 
 def _rough(problem: WholeProblem, effort: Effort) -> Search:

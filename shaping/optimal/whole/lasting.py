@@ -12,6 +12,7 @@ from ...trajectory import Trajectory, point
 from ...transfers.infeasible import InfeasibleError
 from ..long_lasting import long_lasting, no_duration
 from ..long_plan import long_plan
+from ..mesh import apart
 from .least_share import gentlest
 from .outcome import found_plan, impossible
 from .planner import DEFAULT_RTOL, Numbers, Plan, planned
@@ -146,7 +147,7 @@ def _from(plan: Plan, time: float) -> Search:
             return known
     nearest = min([plan.search, *plan.search.later], key=lambda known: _away(known, time))
     nodes = np.union1d(np.linspace(0.0, 1.0, 17), nearest.nodes)
-    nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
+    nodes = nodes[apart(nodes, 1e-9)]
     search = Search(plan.search.problem, nodes, after=time)
     plan.search.later.append(search)
     effort = Effort()

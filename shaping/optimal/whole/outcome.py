@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from math import inf, ldexp
 from typing import Protocol
@@ -12,6 +11,7 @@ import numpy as np
 from ...derivatives import derivative_name
 from ...limits import Limits, check_both_sides
 from ...transfers.infeasible import InfeasibleError, LaterReason, Reason, inside
+from ...warned import warn_caller
 from ..proof import CostateLink, TaylorLink
 from .dead_end import DeadEnd, kept_until
 from .nearest_state import comes_to_rest, nearest_end, nearest_starts
@@ -117,24 +117,20 @@ def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
         raise impossible(plan).headed("with a bound of 0 on velocity there is no turning back: ")
 
 
-def warn_if_far(plan: _Bounded, rtol: float, duration: float, stacklevel: int = 4) -> None:
+def warn_if_far(plan: _Bounded, rtol: float, duration: float) -> None:
     """Warn where the gap that was asked for is not reached: what is known holds."""
     if not plan.lower_bound > 0.0:
-        warnings.warn(
+        warn_caller(
             "nothing is proven of how near this motion is to the minimum time: its numbers end "
-            "where doubles do; choose units in which they are larger",
-            RuntimeWarning,
-            stacklevel=stacklevel,
+            "where doubles do; choose units in which they are larger"
         )
         return
     gap = duration / plan.lower_bound - 1.0
     if gap > rtol * (1.0 + 1e-9):
-        warnings.warn(
+        warn_caller(
             f"this motion takes at most {100.0 * gap:.2g} % more than the minimum time, which is "
             f"proven to be at least {plan.lower_bound:.10g}: the search ended before the gap of "
-            f"{rtol:g} that was asked for",
-            RuntimeWarning,
-            stacklevel=stacklevel,
+            f"{rtol:g} that was asked for"
         )
 
 

@@ -17,6 +17,7 @@ STAGE = Limits(
     snap=(-300.0, 200.0),
     position=(-0.2, 1.1),
 )
+SYMMETRIC = Limits(velocity=2.0, acceleration=4.0, jerk=20.0, snap=200.0)
 MOVING = (0.0, 0.3, 0.1), (1.0, -0.2, 0.0)
 
 
@@ -91,6 +92,16 @@ def test_a_long_move_takes_whole_samples():
     rounded = min_time_move(1e3, LIMITS, round_to=0.25)
     assert rounded.duration == 1000.75
     assert rounded.violation(LIMITS) <= 1e-12
+
+
+def test_a_move_slowed_down_lasts_and_ends_to_the_last_bit():
+    averaged = {"limits": LIMITS, "method": "closed-form"}
+    for dt in (0.1, 0.3, 0.7):
+        move = min_time_move(13.0, round_to=dt, **averaged)
+        assert move.duration == round(move.duration / dt) * dt
+    begin, end = 0.7, 0.123456789
+    motion = min_time_transfer(begin, end, SYMMETRIC)
+    assert motion.end_state.tolist() == [end, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_who_stands_can_stand_longer():

@@ -24,10 +24,10 @@ LIMITS = Limits(velocity=(-2.0, 1.0), acceleration=(-2.0, 1.0), jerk=5.0, snap=1
 CHATTERING = Limits.from_bounds([(-2, 1), (-10, 1), (-100, 30), 1e4, (-1e6, 2e6)])
 
 
-def planned(start, end, limits=LIMITS):
+def planned(start, end, limits=LIMITS, rtol=1e-4):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        return min_time_transfer(start, end, limits)
+        return min_time_transfer(start, end, limits, rtol=rtol)
 
 
 @pytest.mark.parametrize("distance", some([400.0, 1e4, 1e7, -60.0, -1e4], 2))
@@ -73,15 +73,17 @@ def test_a_move_of_a_hundred_ramps_is_as_quick_as_one_of_ten(sign):
 def test_slopes_of_the_bound_are_differences():
     start, end = (0.0, 0.3), (500.0, -0.2)
     sides = [LIMITS.bounds(k) for k in range(1, 5)]
-    slopes = certify(planned(start, end), LIMITS).slopes
+    rtol = 1e-6  # at 1e-4 the ramps themselves differ by as much
+    found = planned(start, end, rtol=rtol)
+    slopes = certify(found, LIMITS, rtol=rtol).slopes
     for k in (1, 2, 3):
         for side in (0, 1):
             changed = [list(pair) for pair in sides]
             changed[k][side] *= 1.1
             further = Limits.from_bounds(changed)
-            gain = planned(start, end, further).duration - planned(start, end).duration
+            gain = planned(start, end, further, rtol).duration - found.duration
             expected = slopes[k + 1][side] * 0.1 * sides[k][side]
-            assert gain == pytest.approx(expected, rel=0.3, abs=4e-3)
+            assert gain == pytest.approx(expected, rel=0.3, abs=1e-3)
 
 
 def test_a_stop_behind_the_start_counts():

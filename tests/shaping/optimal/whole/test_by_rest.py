@@ -24,6 +24,11 @@ def test_cells_at_both_ends_are_as_long_as_those_of_motions_to_rest():
     np.testing.assert_allclose(grid[:5], begun[:5], rtol=1e-12)
 
 
+def test_the_grid_ends_with_the_motion_however_short_its_last_cells():
+    grid = grid_by_rest(LONG, 3e6, Effort())
+    assert (grid[0], grid[-1]) == (0.0, 1.0)
+
+
 @pytest.mark.parametrize("ending", ["start", "end"])
 def test_either_may_be_at_rest(ending):
     rests = replace(LONG, **{ending: getattr(LONG, ending) * [1.0, 0.0, 0.0]})

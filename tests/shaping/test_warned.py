@@ -1,0 +1,28 @@
+"""Warnings point at the caller's own line, however deep in the package they arise."""
+
+import warnings
+
+import pytest
+
+from jounce.shaping import Limits, min_time_move
+from jounce.shaping.warned import warn_caller
+
+HIGH = Limits.from_bounds([1.0, 2.0, 3.0, 5.0, 8.0, 13.0, 21.0, 34.0, 55.0, 89.0, 144.0])
+
+
+@pytest.mark.parametrize("depth", [0, 1, 3])
+def test_the_line_is_that_outside_the_package(depth):
+    inside = {"__name__": "jounce.somewhere", "call": warn_caller}
+    for _ in range(depth):
+        exec("def deeper(message, call=call): call(message)\ncall = deeper", inside)
+    with pytest.warns(RuntimeWarning, match="known") as told:
+        inside["call"]("this is known")
+    assert [warning.filename for warning in told] == [__file__]
+
+
+def test_a_move_tells_of_its_caller():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        move = min_time_move(1.0, HIGH)
+    assert move.duration > 0.0
+    assert {warning.filename for warning in told} == {__file__}
