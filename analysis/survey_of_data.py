@@ -10,7 +10,7 @@ from typing import Any
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.told import Told
-from .measured import MeasuredMargins, MeasuredResponse, measured_margins
+from .measured import MeasuredMargins, MeasuredResponse, as_measured, measured_margins
 from .requirement_checks import OF_MARGINS, RequirementCheck, requirement_checks
 from .specification import Labels, Requirement
 from .unstable_loop import UnstableLoopError
@@ -127,6 +127,7 @@ def measured_survey(
                 f"requirement {asked.name!r}: a measured loop has margins alone, "
                 f"{', '.join(OF_MARGINS)}; fit an axis by analysis.fit_axis for the rest"
             )
+    measured = as_measured(measured, plant=controller is not None)
     margins = measured_margins(measured, controller)
     if margins.stable is False:
         reason = margins.reasons[0].removeprefix("unstable: ")

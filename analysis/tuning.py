@@ -19,7 +19,7 @@ from ..shaping.real_numbers import shown
 from ..shaping.told import Told
 from .integral_gain import Circle, Complex, Real, circles, clearance, largest_integral_gain
 from .margins import LoopMargins, loop_margins
-from .measured import MeasuredMargins, MeasuredResponse, is_frd
+from .measured import MeasuredMargins, MeasuredResponse, as_measured, is_frd
 from .measured.open_gains import MeasuredGains
 
 _EXCESS = 1e-5  # by how much a peak may pass its bound between the points, relative
@@ -165,9 +165,7 @@ def _measured_plant(plant: Any, delay: float) -> MeasuredResponse:
         raise ValueError(
             f"delay = {shown(delay)} of a measured plant, which has its delay in it: leave it out"
         )
-    if is_frd(plant):
-        return MeasuredResponse.from_frd(plant, kind="plant")
-    measured: MeasuredResponse = plant
+    measured = as_measured(plant, plant=True)
     if measured.kind != "plant":
         raise ValueError(
             f"kind = {measured.kind!r}: expected a response of the plant; take out the controller "

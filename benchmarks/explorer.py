@@ -8,7 +8,6 @@ Run: python benchmarks/explorer.py   (needs the `explore` extra, playwright and 
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -93,7 +92,6 @@ def served(*arguments: object) -> Iterator[str]:
         [*command, "explore", *map(str, arguments), "--no-browser"],
         stdout=subprocess.PIPE,
         text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
     )
     try:
         assert process.stdout is not None

@@ -8,7 +8,15 @@ import numpy as np
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle
 
-from ..analysis.measured import MeasuredResponse, closed_responses, measured_margins, open_loop
+from ..analysis.measured import (
+    MeasuredResponse,
+    as_measured,
+    closed_responses,
+    measured_margins,
+    open_loop,
+)
+from ..analysis.measured.conversions import factored_loop
+from ..analysis.measured.loop_grid import LoopGrid, loop_grid
 from ..analysis.survey_of_data import MeasuredSurvey
 from .style import BLUE, GREEN, GREY, ORANGE, RED, finish, panels_figure, plain
 
@@ -36,6 +44,7 @@ def plot_measured_response(
     controller : Controller, PID, CascadedPI or python-control system, optional
     figure : Figure, optional
     """
+    measured = as_measured(measured, plant=controller is not None)
     if measured.kind in ("plant", "process-sensitivity") and controller is None:
         figure = panels_figure(figure, (7.0, 6.0), "constrained")
         above, below = figure.subplots(2, 1, sharex=True)
@@ -44,14 +53,15 @@ def plot_measured_response(
         return figure
     loop = open_loop(measured, controller)
     margins = measured_margins(measured, controller)
+    between = loop_grid(factored_loop(measured, controller))
     figure = panels_figure(figure, (11.0, 7.5), "constrained")
     (gain, nyquist), (phase, closed) = figure.subplots(2, 2)
-    _gain(loop, gain, "Open loop")
+    _gain(loop, gain, "Open loop", between)
     gain.axhline(0.0, color=GREY, linewidth=0.8)
     _mark_margins(margins, gain, phase)
     _phase(loop, phase)
     phase.axhline(-180.0, color=GREY, linewidth=0.8)
-    plot_measured_nyquist(loop, margins, ax=nyquist)
+    plot_measured_nyquist(measured, margins, ax=nyquist, controller=controller)
     _closed(closed_responses(measured, controller), closed)
     return figure
 
@@ -63,11 +73,16 @@ def plot_measured_survey(survey: MeasuredSurvey, *, figure: Figure | None = None
     return drawn
 
 
-def plot_measured_nyquist(loop: MeasuredResponse, margins: MeasuredMargins, *, ax: Axes) -> Axes:
-    """Draw L around −1 with circles that hold it with a probability of 95 %."""
+def plot_measured_nyquist(
+    measured: MeasuredResponse, margins: MeasuredMargins, *, ax: Axes, controller: Any = None
+) -> Axes:
+    """Draw L around −1: its lines with circles of 95 %, and the rational fits between them."""
+    loop, between = open_loop(measured, controller), loop_grid(factored_loop(measured, controller))
     values = loop.response
     near = abs(values + 1.0) < 3.0
-    ax.plot(values.real, values.imag, ".-", color=BLUE, markersize=3, linewidth=0.8, label="L")
+    curve = _broken(between, between.value)
+    ax.plot(curve.real, curve.imag, color=BLUE, linewidth=0.8, label="L")
+    ax.plot(values.real, values.imag, ".", color=BLUE, markersize=3)
     if loop.sigma is not None:
         circles = [
             Circle((value.real, value.imag), _BAND * sigma)
@@ -88,7 +103,14 @@ def plot_measured_nyquist(loop: MeasuredResponse, margins: MeasuredMargins, *, a
     return finish(ax, "Nyquist", "Re L", "Im L")
 
 
-def _gain(measured: MeasuredResponse, ax: Axes, title: str) -> None:
+def _broken(grid: LoopGrid, values: Any) -> Any:
+    """Return values on a grid, with nan in the holes between lines."""
+    return np.insert(values, np.flatnonzero(~grid.joined) + 1, np.nan)
+
+
+def _gain(
+    measured: MeasuredResponse, ax: Axes, title: str, between: LoopGrid | None = None
+) -> None:
     lines, size = measured.frequency_hz, abs(measured.response)
     if measured.sigma is not None:
         reach = _BAND * measured.sigma
@@ -102,6 +124,8 @@ def _gain(measured: MeasuredResponse, ax: Axes, title: str) -> None:
             linewidth=0.0,
         )
         ax.legend(loc="lower left", fontsize=9)
+    if between is not None:
+        lines, size = (_broken(between, x) for x in (between.frequency_hz, abs(between.value)))
     ax.semilogx(lines, _db(size), color=BLUE, linewidth=1.0)
     finish(ax, f"{title}: gain", "frequency [Hz]", "gain [dB]")
 

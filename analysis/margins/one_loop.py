@@ -168,9 +168,6 @@ def _of_data(system: Any, delay: float, controller: Any, measured_with: Any) -> 
             "leave it out, "
             "or multiply the response by e^(−jω·delay)"
         )
-    if is_frd(system):
-        kind: Any = "loop" if controller is None else "plant"
-        system = MeasuredResponse.from_frd(system, kind=kind)
     return measured_margins(system, controller, measured_with=measured_with)
 
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .excitation import Multisine, multisine
     from .low_order import FittedAxis, fit_axis
     from .margins_of_data import measured_margins
-    from .measured_response import MeasuredResponse, is_frd
+    from .measured_response import MeasuredResponse, as_measured, is_frd
     from .reading import read_frf
     from .repeated import RepeatedMargins, repeated_margins
     from .result import MeasuredMargins
@@ -24,6 +24,7 @@ _LATER = {
     "MeasuredResponse": "measured_response",
     "Multisine": "excitation",
     "RepeatedMargins": "repeated",
+    "as_measured": "measured_response",
     "closed_responses": "conversions",
     "estimate_frf": "estimating",
     "fit_axis": "low_order",
@@ -44,6 +45,7 @@ __all__ = [
     "MeasuredResponse",
     "Multisine",
     "RepeatedMargins",
+    "as_measured",
     "closed_responses",
     "estimate_frf",
     "fit_axis",

@@ -10,7 +10,7 @@ import numpy as np
 from ...shaping.frozen import Frozen
 from ...shaping.told import Told
 from .controller_values import ControllerValues, controller_values
-from .measured_response import MeasuredResponse
+from .measured_response import MeasuredResponse, as_measured
 from .rational_fits import Complex, Real
 
 
@@ -30,6 +30,7 @@ def factored_loop(measured: MeasuredResponse, controller: Any = None) -> Factore
     ValueError
         For a plant or PS without controller, or another kind with one.
     """
+    measured = as_measured(measured, plant=controller is not None)
     values = controller_values(controller, measured)
     needs = measured.kind in ("plant", "process-sensitivity")
     if needs and controller is None:
@@ -60,6 +61,7 @@ def open_loop(measured: MeasuredResponse, controller: Any = None) -> MeasuredRes
     controller : Controller, PID, CascadedPI or python-control system, optional
         Needed with a plant and with PS, refused with the others.
     """
+    measured = as_measured(measured, plant=controller is not None)
     parts = factored_loop(measured, controller)
     if measured.kind != "plant":
         return parts.fitted
@@ -71,6 +73,7 @@ def open_loop(measured: MeasuredResponse, controller: Any = None) -> MeasuredRes
 
 def plant_response(measured: MeasuredResponse, controller: Any) -> MeasuredResponse:
     """Return G on the lines of a measured loop, S, T or PS, by the controller it ran with."""
+    measured = as_measured(measured, plant=False)
     if measured.kind == "plant":
         return measured
     values = controller_values(controller, measured)

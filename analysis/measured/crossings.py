@@ -88,7 +88,7 @@ def _solved(grid: LoopGrid, excess: Excess, before: NDArray[np.intp]) -> Real:
     every = np.arange(len(before))
     for _ in range(_DIVISIONS if len(before) else 0):
         places = low[:, None] + (high - low)[:, None] * _SHARES
-        inner = excess(grid.loop.at(places[:, 1:-1].ravel()).value).reshape(len(before), -1)
+        inner = excess(grid.loop.value(places[:, 1:-1].ravel())).reshape(len(before), -1)
         beyond = np.argmax(np.pad((inner >= 0.0) != positive, ((0, 0), (0, 1))), axis=1)
         none = ((inner >= 0.0) == positive).all(axis=1)
         after = np.where(none, inner.shape[1], beyond)

@@ -48,10 +48,10 @@ def least_of(grid: LoopGrid, measure: Measure) -> Extreme | None:
     low, high = grid.frequency_hz[at - 1], grid.frequency_hz[at + 1]
     for _ in range(_ROUNDS):
         frequency = np.linspace(low, high, _POINTS)
-        found = grid.loop.at(frequency)
-        at = int(np.argmin(measure(found.value)))
+        values = measure(grid.loop.value(frequency))
+        at = int(np.argmin(values))
         low, high = frequency[max(at - 1, 0)], frequency[min(at + 1, _POINTS - 1)]
-    values = measure(found.value)
+    found = grid.loop.at(frequency[at : at + 1])
     return Extreme(
-        float(values[at]), float(frequency[at]), complex(found.value[at]), float(found.sigma[at])
+        float(values[at]), float(frequency[at]), complex(found.value[0]), float(found.sigma[0])
     )

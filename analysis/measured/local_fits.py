@@ -74,6 +74,11 @@ class LocalFits:
         frequency = frequency[inside & ~self.in_hole(frequency)]
         return frequency, self.at(frequency)
 
+    def value(self, frequency_hz: Real) -> Complex:
+        """Return the response alone."""
+        flat = self.curves.value(frequency_hz, self.gap_of(frequency_hz))
+        return np.asarray(flat / frequency_hz**self.power)
+
     def at(self, frequency_hz: Real) -> Place:
         """Return the response at frequencies between the first and the last line."""
         flat = self.curves.at(frequency_hz, self.gap_of(frequency_hz))

@@ -24,6 +24,10 @@ class MeasuredLoop:
     fits: LocalFits
     controller: ControllerValues
 
+    def value(self, frequency_hz: Real) -> Complex:
+        """Return L alone."""
+        return np.asarray(self.fits.value(frequency_hz) * self.controller.at(frequency_hz))
+
     def at(self, frequency_hz: Real) -> Place:
         """Return L, its complex standard deviation and C·dG/df."""
         inner = self.fits.at(frequency_hz)

@@ -13,7 +13,7 @@ from ...shaping.checks import finite, one_of, whole
 from ...shaping.frozen import Frozen
 from ...shaping.told import Told
 from .axis_model import PER_MODE, RIGID, AxisModel, Free
-from .measured_response import MeasuredResponse
+from .measured_response import MeasuredResponse, as_measured
 from .rational_fits import Real
 
 _MOST_MODES = 6
@@ -94,7 +94,7 @@ def fit_axis(
 
     Parameters
     ----------
-    measured : MeasuredResponse
+    measured : MeasuredResponse or control.FrequencyResponseData
         A plant. With `integrators` declared 2 it moves freely, with 1 against friction, with 0
         against a spring, too; else friction and spring are kept where they are 3σ from none.
     modes : int, optional
@@ -111,6 +111,7 @@ def fit_axis(
         For a response that is not a plant's, has more than two integrators, or does not show an
         inertia.
     """
+    measured = as_measured(measured, plant=True)
     if measured.kind != "plant":
         raise ValueError(
             f"kind = {measured.kind!r}: expected a plant; plant_response(frf, controller) makes "

@@ -12,7 +12,7 @@ from .conversions import Factored, factored_loop
 from .crossings import Crossings, gain_crossings, phase_crossings
 from .extremes import Extreme, complementary_inverse, disk, distance, least_of
 from .loop_grid import RADIUS, LoopGrid, loop_grid
-from .measured_response import MeasuredResponse
+from .measured_response import MeasuredResponse, as_measured
 from .result import MeasuredMargins
 from .stability import Stability, lowest_slope_and_phase, relative_stability, stability
 from .warnings_of_data import warnings_of
@@ -42,7 +42,7 @@ def measured_margins(
 
     Parameters
     ----------
-    measured : MeasuredResponse
+    measured : MeasuredResponse or control.FrequencyResponseData
         A plant or PS with a controller, or a loop, S or T.
     controller : Controller, PID, CascadedPI or python-control system, optional
     measured_with : the same, optional
@@ -55,6 +55,7 @@ def measured_margins(
         For a controller where the response has one already, none where it needs one, or one of
         another sample time.
     """
+    measured = as_measured(measured, plant=controller is not None)
     parts = factored_loop(measured, controller)
     if measured_with is not None and measured.kind != "plant":
         raise ValueError(

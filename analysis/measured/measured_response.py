@@ -179,6 +179,24 @@ def is_frd(system: Any) -> bool:
     return hasattr(system, "frdata") and hasattr(system, "omega")
 
 
+def as_measured(given: Any, *, plant: bool) -> MeasuredResponse:
+    """Return a measured response; python-control's data become one of a plant, or of a loop.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    if isinstance(given, MeasuredResponse):
+        return given
+    if is_frd(given):
+        return MeasuredResponse.from_frd(given, kind="plant" if plant else "loop")
+    raise TypeError(
+        f"measured = {shown(given)}: expected a MeasuredResponse or a "
+        f"control.FrequencyResponseData; read a file by read_frf(path, kind=…)"
+    )
+
+
 def _numbers(name: str, given: Any, kind: type) -> Any:
     try:
         array = np.array(given)

@@ -57,8 +57,14 @@ class RationalFits(NamedTuple):
     covariance: Complex
     misfit: Real
 
+    def value(self, frequency_hz: Real, which: Index) -> Complex:
+        """Return the values of some fits alone, one at each frequency."""
+        r = (frequency_hz - self.middle[which]) / self.halfwidth[which]
+        a0, a1, a2, b1, b2 = self.coefficients[which].T
+        return np.asarray((a0 + r * (a1 + r * a2)) / (1.0 + r * (b1 + r * b2)))
+
     def at(self, frequency_hz: Real, which: Index) -> Place:
-        """Return the values of some fits, one at each frequency."""
+        """Return some fits with their standard deviations and slopes, one at each frequency."""
         width = self.halfwidth[which]
         above, below = self.coefficients[which, :NUMERATOR], self.coefficients[which, NUMERATOR:]
         powers = ((frequency_hz - self.middle[which]) / width)[:, None] ** np.arange(3)

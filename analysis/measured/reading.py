@@ -75,7 +75,7 @@ def read_frf(
 
     Notes
     -----
-    A line at 0 Hz is left out. Lines that fall throughout are turned round.
+    A line at 0 Hz is left out.
     """
     one_of("kind", kind, KINDS)
     one_of("output", output, tuple(_ORDERS))
@@ -96,9 +96,7 @@ def read_frf(
             f"{path}: {len(frequency)} frequencies and {len(response)} values: expected as many"
         )
     sigma = deviations(str(path), found, response, averages)
-    order = np.arange(len(frequency))
-    order = order[::-1] if (np.diff(frequency) < 0.0).all() else order
-    order = order[frequency[order] != 0.0]
+    order = np.flatnonzero(frequency != 0.0)
     factor = (2j * np.pi * frequency[order]) ** -_ORDERS[output]
     with np.errstate(invalid="ignore"):  # what is not finite is told by its line
         positions = response[order] * factor

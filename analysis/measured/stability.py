@@ -9,7 +9,7 @@ Relative to a controller that the loop ran with, hence stable, no more is needed
 
     (1 + L₁)/(1 + L₀)
 
-does not turn about 0, where both have the same integrators and unstable poles.
+does not turn about 0, by a half neither, where both have the same integrators and unstable poles.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from .loop_grid import LoopGrid, MeasuredLoop
 from .rational_fits import Complex, Real
 
 _MOST_STEP = 0.5 * np.pi
+_MOST_OFF_REAL = 1.0 / 3.0  # of a half turn, of 1 + L at the first line relative to what ran
 _OFF_SLOPE = 75.0  # degrees that a phase may be off the one of its slope
 _OFF_DECLARED, _LEADS = 135.0, 45.0  # a plant lags behind its integrators, hardly ever leads
 _FAR_BELOW, _POINTS_BELOW = 1e-4, 200  # of the first line: where a controller is looked at
@@ -93,15 +94,44 @@ def relative_stability(grid: LoopGrid, parts: Factored, ran_with: ControllerValu
     doubts += _large_steps(ratio, grid)
     if abs(grid.value[-1]) + grid.radius[-1] >= 1.0:
         doubts.append(_last_line(grid))
-    if doubts:
+    far_below = _FAR_BELOW * grid.frequency_hz[:1]
+    negative = bool((own.at(far_below) / ran_with.at(far_below)).real[0] < 0.0)
+    integrates = bool(own.integrators or parts.fitted.integrators)
+    halves = _half_turns(ratio, negative if integrates else None)
+    if halves is None:
+        doubts.append(_not_real(ratio[0], float(grid.frequency_hz[0])))
+    if doubts or halves is None:
         return Stability(None, tuple(doubts))
-    turns = float(_unwrapped(ratio)[-1] - _unwrapped(ratio)[0]) / (2.0 * np.pi)
-    whole = round(turns)
-    if whole == 0:
+    if halves == 0:
         how = "1 + L does not turn about 0 relative to the loop that ran"
         return Stability(True, (f"stable: {how}",))
     return Stability(
-        False, (f"unstable: 1 + L turns {whole:+d} times about 0 relative to the loop that ran",)
+        False,
+        (f"unstable: 1 + L turns {0.5 * halves:+g} times about 0 relative to the loop that ran",),
+    )
+
+
+def _half_turns(ratio: Complex, negative: bool | None) -> int | None:
+    """Return the half turns about 0 of a curve from DC, where it is real, to where it is near 1.
+
+    With integrators in L it is that of the controllers at DC, negative or not. Without, the first
+    line tells on which side of 0 it began: None where it does not.
+    """
+    angle = _unwrapped(ratio) / np.pi
+    if negative is not None:
+        turned = 2 * round(0.5 * float(angle[-1] - angle[0] + negative))
+        return turned - negative
+    start = round(float(angle[0]))
+    if abs(angle[0] - start) > _MOST_OFF_REAL:
+        return None
+    return 2 * round(0.5 * float(angle[-1])) - start
+
+
+def _not_real(ratio: complex, hertz: float) -> str:
+    return (
+        f"1 + L relative to the loop that ran is at {np.degrees(np.angle(ratio)):+.0f}° at the "
+        f"first line, {hertz:.4g} Hz, where 0° or 180° tell how it began: measure lower "
+        "frequencies, or declare integrators"
     )
 
 

@@ -29,6 +29,11 @@ def read_uff(path: Path, which: int | None) -> list[Column]:
     With its coherence, where the file has one of as many lines.
     """
     functions = _functions(path)
+    if not functions:
+        raise ValueError(
+            f"{path}: holds no whole dataset 58: expected a universal file with frequency "
+            "responses; export it anew, or save it as CSV"
+        )
     responses = [each for each in functions if each.kind == _RESPONSE]
     if not responses:
         raise ValueError(
@@ -60,7 +65,8 @@ def _functions(path: Path) -> list[Function]:
         return _binary(path)
     lines = raw.decode("latin-1").splitlines()
     marks = [i for i, line in enumerate(lines) if line.strip() == "-1"]
-    blocks = [lines[a + 1 : b] for a, b in zip(marks[::2], marks[1::2], strict=False)]
+    ends = [*marks[1::2], len(lines)]  # of a file that was cut off, the last one's
+    blocks = [lines[a + 1 : b] for a, b in zip(marks[::2], ends, strict=False)]
     return [_ascii(path, block[1:]) for block in blocks if block and block[0].strip() == "58"]
 
 
@@ -98,7 +104,13 @@ def _binary(path: Path) -> list[Function]:
             f"{path}: is a binary universal file (58b): reading it needs pyuff; run pip install "
             "'jounce[measured]', or export it as ascii"
         ) from None
-    sets = pyuff.UFF(str(path)).read_sets()
+    try:
+        sets = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # pyuff raises nothing narrower
+        raise ValueError(
+            f"{path}: is no binary universal file that can be read ({error}): expected a whole "
+            "one; export it anew, or as ascii"
+        ) from None
     sets = sets if isinstance(sets, list) else [sets]
     return [
         Function(int(s["func_type"]), str(s.get("id1", "")).strip(), s["x"], np.asarray(s["data"]))

@@ -83,13 +83,12 @@ def _holes(grid: LoopGrid) -> list[str]:
 def _poor_fits(grid: LoopGrid) -> list[str]:
     """Return where lines scatter more than their error bars allow, and L matters."""
     fits = grid.loop.fits
-    middle = 0.5 * (fits.lines[:-1] + fits.lines[1:])
-    loud = abs(grid.loop.at(middle).value) > _MATTERS
-    poor = middle[loud & (fits.curves.misfit > _POOR)]
+    middle = 0.5 * (fits.lines[:-1] + fits.lines[1:])[fits.curves.misfit > _POOR]
+    poor = middle[abs(grid.loop.value(middle)) > _MATTERS]
     if not poor.size:
         return []
     return [
-        f"{poor.size} of {len(middle)} gaps, {poor[0]:.4g} to {poor[-1]:.4g} Hz, have lines off "
+        f"{poor.size} of {len(fits.hole)} gaps, {poor[0]:.4g} to {poor[-1]:.4g} Hz, have lines off "
         "smooth curves by more than their error bars, which are widened: look for drift, "
         "distortion or too coarse lines"
     ]

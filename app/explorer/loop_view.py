@@ -50,6 +50,17 @@ class LoopView:
         return handles_of(self.state, _place(self.state, self.margins))
 
     @cached_property
+    def window(self) -> tuple[float, float]:
+        """The frequencies in Hz from and to which is drawn."""
+        return _window(self)
+
+    @cached_property
+    def curve(self) -> tuple[FloatArray, Any]:
+        """Frequencies, and L of the model there."""
+        places = [handle.frequency_hz for handle in self.handles]
+        return self.gain.curve(*self.window, places)
+
+    @cached_property
     def data(self) -> MeasuredResponse | None:
         """L as it was measured, or of what was measured with the controller; None without data."""
         state = self.state
@@ -84,12 +95,10 @@ def numbers_part(view: LoopView, revision: Revision) -> Part:
 
 def curves_part(view: LoopView, revision: Revision) -> Part:
     """Return L of the model, and of the data with bars, the elements and their handles."""
-    low, high = _window(view)
-    places = [handle.frequency_hz for handle in view.handles]
-    frequency, value = view.gain.curve(low, high, places)
+    frequency, value = view.curve
     part: Part = {
         "part": "curves",
-        "range_hz": [low, high],
+        "range_hz": [*view.window],
         "model": _curve(frequency, value),
         "handles": [_handle(view, handle) for handle in view.handles],
         "elements": element_fields(view.state),
@@ -105,12 +114,10 @@ def curves_part(view: LoopView, revision: Revision) -> Part:
 
 def closed_part(view: LoopView, revision: Revision) -> Part:
     """Return |S| and |T| with their limits."""
-    low, high = _window(view)
-    places = [handle.frequency_hz for handle in view.handles]
-    frequency, value = view.gain.curve(low, high, places)
+    frequency, value = view.curve
     part: Part = {
         "part": "closed",
-        "range_hz": [low, high],
+        "range_hz": [*view.window],
         "frequency": frequency,
         "s_db": decibel(1.0 / (1.0 + value)),
         "t_db": decibel(value / (1.0 + value)),

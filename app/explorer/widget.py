@@ -8,7 +8,7 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from ...analysis.measured import MeasuredResponse
+from ...analysis.measured import MeasuredResponse, as_measured
 from ..scenario import Scenario
 from ..text_files import text_of
 from .extra import needed
@@ -93,8 +93,8 @@ def explore(
         N and m, and s.
     unit : "rad" or "m", optional
         What positions of a loop or a move are in.
-    frf : MeasuredResponse, optional
-        Of the plant, or the loop; margins are then of that.
+    frf : MeasuredResponse or control.FrequencyResponseData, optional
+        Of the plant, or the loop; margins are then of that. python-control's is of the plant.
 
     Returns
     -------
@@ -109,7 +109,8 @@ def explore(
     """
     for package in ("anywidget", "tomlkit"):
         needed(package)
-    state, text = _opened(what, unit, frf)
+    measured = None if frf is None else as_measured(frf, plant=True)
+    state, text = _opened(what, unit, measured)
     session = Session(state, text)
     if not hasattr(what, "controller"):
         session.receive({"kind": "view", "view": "loop" if state.path != _NAME else "move"})

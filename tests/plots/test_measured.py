@@ -19,8 +19,9 @@ def test_a_plant_has_two_panels_and_its_loop_four(controller, panels):
     figure = PLANT.plot(controller=controller)
     assert len(figure.axes) == panels
     curve = figure.axes[0].get_lines()[0]
-    size = abs(PLANT.response * (1.0 if controller is None else 900.0))
-    assert curve.get_ydata() == pytest.approx(20 * np.log10(size))
+    s = 2j * np.pi * curve.get_xdata()
+    size = abs(1 / (s * (s + 30))) * (1.0 if controller is None else 900.0)
+    assert curve.get_ydata() == pytest.approx(20 * np.log10(size), abs=0.02)
 
 
 def test_the_bands_hold_the_response():
@@ -29,6 +30,25 @@ def test_the_bands_hold_the_response():
     low, high = band.get_datalim(figure.axes[0].transData).intervaly
     assert low < 20 * np.log10(abs(PLANT.response)).min()
     assert high > 20 * np.log10(abs(PLANT.response)).max()
+
+
+def test_between_lines_the_circle_of_a_light_mode_is_drawn_round():
+    def exact(hertz):
+        s, mode = 2j * np.pi * hertz, 2 * np.pi * 61.5
+        return 60 / s * (1 + mode**2 / (s**2 + 0.01 * mode * s + mode**2))
+
+    loop = MeasuredResponse(LINES, exact(LINES), kind="loop")
+    curve = plot_measured_response(loop).axes[1].get_lines()[0].get_xydata() @ [1, 1j]
+    circle = curve[curve.real < -1.0]
+    beside = exact(np.linspace(55.0, 70.0, 3001))
+    assert abs(circle[:, None] - beside).min(axis=1).max() < 0.3
+    assert abs(np.diff(circle)).max() < 5.0  # lines are 13 apart
+
+
+def test_python_controls_data_are_drawn_as_a_plant_or_a_loop():
+    data = PLANT.to_frd()
+    assert len(plot_measured_response(data, controller=LAW).axes) == 4
+    assert len(plot_measured_response(data).axes) == 4
 
 
 def test_nyquist_shows_the_modulus_margin():

@@ -36,6 +36,7 @@ def with_row(text):
         (with_row("9.5,,1"), "'9.5,,1' is not a row of 3 numbers"),
         (with_row("9,1,1"), "frequency 9 Hz is there twice"),
         (with_row("3.5,1,1"), "frequency falls from 9 to 3.5 Hz"),
+        (["frequency_hz,re,im", *rows()[::-1]], "frequency falls from 30 to 29 Hz.*sort the lines"),
         (["frequency_hz,re,im", rows()[0]], "one row of numbers"),
         (["frequency_hz,re,im", *(f"{hz},0,0" for hz in LINES)], "response is 0 on every line"),
         (["freq_hz,mag_db,phase_deg", *(f"{hz},9999,0" for hz in LINES)], "expected finite"),
@@ -94,3 +95,43 @@ def test_records_that_do_not_fit_are_told(records, options, told):
 def test_measurements_have_names():
     with pytest.raises(TypeError, match="measured is a list: expected responses by name"):
         repeated_margins([MeasuredResponse(LINES, G, kind="loop")])
+
+
+def universal(form, data):
+    """Return a universal file of ten lines, 1 to 10 Hz, in ascii or binary."""
+    channels = "          y         1   1          u         1   1"
+    header = ["id", *["NONE"] * 4, f"    4         0    0         0{channels}"]
+    header += ["         6        10         1  1.00000e+00  1.00000e+00  0.00000e+00"]
+    header += ["        18    0    0    0 NONE                 NONE"] * 4
+    size = f"          11{len(data):12d}     0     0           0           0"
+    kind = f"    58b     1     2{size}" if form == "binary" else "    58"
+    return "\n".join(["    -1", *(f"{line:<80}" for line in (kind, *header)), ""]).encode() + data
+
+
+ASCII = "".join(f"{value.real:20.11e}{value.imag:20.11e}\n" for value in G[:10]).encode()
+BINARY = np.ascontiguousarray(G[:10]).astype("<c16").tobytes()
+END = b"\n    -1\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (universal("ascii", ASCII[:200]), "5 of 10 values"),
+        (universal("ascii", ASCII[:205] + END), "not as its header says"),
+        (universal("ascii", b" " * 17 + b"nan" + ASCII[20:] + END), "at 1 Hz: expected finite"),
+        (universal("binary", BINARY[:40]), "holds no whole dataset 58"),
+        (universal("binary", b"")[:180] + b"\n" * 9 + END, "no binary universal file"),
+        (b"", "holds no whole dataset 58"),
+    ],
+    ids=["cut", "short", "nan", "binary cut", "binary header", "empty"],
+)
+def test_a_universal_file_that_cannot_be_used_is_one_line(tmp_path, content, told):
+    pytest.importorskip("pyuff")
+    path = tmp_path / "axis.uff"
+    for form, data in (("ascii", ASCII), ("binary", BINARY)):
+        path.write_bytes(universal(form, data) + END)
+        assert read_frf(path, kind="plant").response == pytest.approx(G[:10], rel=1e-9)
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=told) as error:
+        read_frf(path, kind="plant")
+    assert "\n" not in str(error.value)

@@ -214,3 +214,29 @@ def test_lines_from_above_the_corner_of_the_integral_on_are_enough(declared):
 def loop_at(plant, controller, hertz, dt):
     z = np.exp(2j * np.pi * hertz * dt)
     return plant(z) * of_one_error(controller)(z)
+
+
+@pytest.mark.parametrize(
+    ("plant", "gains", "true"),
+    [
+        ("pendulum", (60.0, 12.0), True),
+        ("pendulum", (100.0, 0.5), True),
+        ("pendulum", (5.0, 3.0), False),
+        ("pendulum", (100.0, -2.0), False),
+        ("mass", (60.0, 12.0), True),
+        ("mass", (-60.0, 12.0), False),
+        ("mass", (-60.0, -12.0), False),
+        ("spring", (-40.0, 12.0), False),
+        ("spring", (-20.0, 12.0), True),
+    ],
+)
+def test_a_pole_that_leaves_at_dc_is_half_a_turn_relative_to_the_loop_that_ran(plant, gains, true):
+    viscous, stiffness = {"pendulum": (0, -9.0), "mass": (0, 0), "spring": (4.0, 30.0)}[plant]
+    lines = np.geomspace(0.1, 100.0, 300)
+    response = 1.0 / np.polyval([1.0, viscous, stiffness], 2j * np.pi * lines)
+    poles = np.roots([1.0, gains[1] + viscous, gains[0] + stiffness])
+    assert (poles.real < 0.0).all() == true
+    for declared in (None, 2) if plant == "mass" else (None, 0):
+        frf = MeasuredResponse(lines, response, kind="plant", integrators=declared)
+        law, ran_with = PID(gains[0], 0.0, gains[1]), PID(80.0, 0.0, 10.0)
+        assert loop_margins(frf, controller=law, measured_with=ran_with).stable is true

@@ -30,7 +30,6 @@ FILES = {
     "blanks": "f[Hz] mag phase[deg]\n" + rows(LINES, GAIN, DEG, separator=" ", comma=True),
     "preamble": "Analyser 7\nPoints: 12\nStart;1\n\nFrequency (Hz);Trace 1: Gain (dB);"
     "Trace 1: Phase (deg)\n" + rows(LINES, DB, DEG + 360, separator=";"),
-    "falling": "frequency_hz,re,im\n" + rows(LINES[::-1], VALUES.real[::-1], VALUES.imag[::-1]),
     "with DC": "frequency_hz,re,im\n0,9,9\n" + rows(LINES, VALUES.real, VALUES.imag),
     "other columns": "n,frequency_hz,re,im,remark\n"
     + rows(LINES, LINES, VALUES.real, VALUES.imag, LINES),

@@ -1,6 +1,7 @@
 """The command `jounce explore`, and what is said without the extra."""
 
 import json
+import os
 import socket
 import sys
 
@@ -71,3 +72,14 @@ def test_its_address_as_json_or_nothing(run, tmp_path, monkeypatch):
     explore_there = ("explore", written(tmp_path), "--no-browser")
     assert json.loads(run(*explore_there, "--json")[1]) == {"address": "http://x/"}
     assert run(*explore_there, "--quiet") == (0, "", [])
+
+
+def test_margins_are_worked_out_in_one_thread_where_nothing_else_is_asked(
+    run, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(serving, "serve_scenario", lambda *_, **__: None)
+    monkeypatch.setattr(os, "environ", {**os.environ, "MKL_NUM_THREADS": "3"})
+    del os.environ["OPENBLAS_NUM_THREADS"]
+    assert run("explore", written(tmp_path), "--no-browser")[0] == 0
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
+    assert os.environ["MKL_NUM_THREADS"] == "3"
