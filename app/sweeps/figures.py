@@ -19,7 +19,7 @@ from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
 
-_MOST_DESIGNS = 256  # that are kept
+_MOST_DESIGNS = 1024  # that are kept
 
 
 @dataclass(frozen=True)

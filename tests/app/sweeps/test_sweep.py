@@ -86,6 +86,9 @@ def test_a_point_that_fails_is_told_and_ends_nothing(axis):
     assert "UNSTABLE" in reason
     assert np.isnan(found.values("phase_margin")[1])
     assert (found.met().met, found.met().points) == (1, 2)
+    html = found._repr_html_()
+    for told in ("2 of 2", "1 of 2 points meet", "deg at plant.inertia = 2 kg m^2", ">failed<"):
+        assert told in html
 
 
 @pytest.mark.parametrize("wrong", [ZeroDivisionError("by 0"), KeyError("gone")])
