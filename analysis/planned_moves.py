@@ -35,7 +35,7 @@ def _fastest(move: Move, limits: Limits) -> Trajectory:
     return _planned(move.distance, limits, move.duration, move.round_to)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def _planned(
     distance: float, limits: Limits, duration: float | None, round_to: float | None
 ) -> Trajectory:

@@ -13,6 +13,7 @@ import numpy as np
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
+from ..shaping.told import table
 from .specification import HIGHER_IS_BETTER
 
 if TYPE_CHECKING:
@@ -265,6 +266,31 @@ class SweepResult:
         others = [name for name in self.figures if name != figure]
         dataset = self.dataset.assign_attrs(figures=[figure, *others])
         return SweepResult(dataset)
+
+    def _repr_html_(self) -> str:
+        """Return points, yield, and of each figure the median and the worst, with where that is."""
+        done = int(np.asarray(self.dataset["done"].values).sum())
+        rows = [("points", f"{done} of {self.dataset.sizes['point']}")]
+        if self.failures():
+            rows.append(("failed", str(len(self.failures()))))
+        if self.requirements and done:
+            rows.append(("yield", str(self.met())))
+        rows += [(figure, self._summary(figure)) for figure in self.figures]
+        return table(str(self.dataset.attrs.get("title", "sweep")), rows)
+
+    def _summary(self, figure: str) -> str:
+        if not self.has(figure):
+            return "none"
+        values, worst = self.values(figure), self.worst_point(figure)
+        unit = self.dataset[figure].attrs.get("units", "")
+        where = ", ".join(f"{k} = {self._at(k, worst)}" for k in self.parameters)
+        median, most = (f"{x:.5g} {unit}".strip() for x in (np.nanmedian(values), values[worst]))
+        return f"median {median}, worst {most} at {where}"
+
+    def _at(self, parameter: str, point: int) -> str:
+        column = self.dataset[parameter]
+        value, unit = column.values[point], column.attrs.get("units", "")
+        return f"{value:.5g} {unit}".strip() if column.dtype.kind == "f" else str(value)
 
     def __repr__(self) -> str:
         done = int(np.asarray(self.dataset["done"].values).sum())

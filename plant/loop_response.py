@@ -179,7 +179,7 @@ class LoopResponse(Told, Frozen):
         if of is not None:
             one_of("of", of, ("position", "load"))
             if self.scene is not None:
-                return self._pieces(of, goal).last_outside(tolerance)
+                return self.run.last_outside(*self._signal(of, goal), tolerance)
         position = self.load if of == "load" else self.position
         excess = np.abs(position - (self.command if goal is None else goal)) - tolerance
         outside = np.flatnonzero(excess > 0.0)
@@ -192,10 +192,14 @@ class LoopResponse(Told, Frozen):
         step = self.time[k + 1] - self.time[k]
         return float(self.time[k] - self.time[0] + fraction * step)
 
+    def _signal(self, of: Of, target: float | None) -> tuple[FloatArray, float, float]:
+        """Return what makes position less target, or less the command, as `Run.pieces` takes it."""
+        row = self.run.load_row if of == "load" else self.run.seen_row
+        return row, -1.0 if target is None else 0.0, target or 0.0
+
     def _pieces(self, of: Of, target: float | None) -> Pieces:
         """Return position less target, or less the command, between all times of the run."""
-        row = self.run.load_row if of == "load" else self.run.seen_row
-        return self.run.pieces(row, -1.0 if target is None else 0.0, target or 0.0)
+        return self.run.pieces(*self._signal(of, target))
 
     @cached_property
     def peak_load_error(self) -> float:

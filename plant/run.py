@@ -23,7 +23,7 @@ from .signal_pieces import TERMS, Pieces
 MOST_SAMPLES = 1e8
 """Of a digital controller in a response."""
 _COUNTS = 1e-20  # of a term of the Taylor series: smaller ones are nothing
-_AT_ONCE = 1024  # pieces: their numbers stay in the cache
+_AT_ONCE = 512  # pieces: their numbers stay in the cache, their product in one thread
 _SAME = 1e-13  # times this near to one another, relative to the longest, are one
 
 
@@ -166,10 +166,58 @@ class Run:
             [self.layout.row(d.torque[:-1]) + d.torque[-1] * row for row in self.hybrid.torque]
         )
 
-    def pieces(self, row: FloatArray, command: float, target: float = 0.0) -> Pieces:
-        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next."""
-        times, modes, states = self._split if command else (self.times, self.modes, self.states)
-        modes, states = modes[: len(times) - 1], states[: len(times) - 1]
+    def last_outside(
+        self, row: FloatArray, command: float, target: float, tolerance: float
+    ) -> float:
+        """Return when |command·r(t) + row·z(t) − target| is beyond a tolerance for the last time.
+
+        0 where it never is, infinite where it is so at the end. Only the pieces in which that may
+        be are made.
+        """
+        times, _, states = self._known(command)
+        count = len(times) - 1
+        off = states[:count] @ row - target
+        if command:
+            off += command * self._commanded[0]
+        outside = np.flatnonzero(np.abs(off) > tolerance)
+        begin = max(int(outside[-1]) - 1, 0) if outside.size else 0
+        end = count if command else self._calm_from(row, target, tolerance, begin)
+        return self.pieces(row, command, target, part=(begin, end)).last_outside(tolerance)
+
+    def _calm_from(self, row: FloatArray, target: float, tolerance: float, begin: int) -> int:
+        """Return from which piece on, `begin` or later, row·z(t) − target is within a tolerance.
+
+        A piece Σ c_k·τ^k, τ from 0 to 1, is beyond its ends by at most Σ k·(k − 1)/8·|c_k|, and
+        |c_k| ≤ |row·A^k|·|z|·h^k/k!, with h the longest piece. One more is left for rounding.
+        """
+        states = self.states[begin:]
+        longest, most = float(np.diff(self.times).max(initial=0.0)), np.zeros(len(row))
+        for mode in np.flatnonzero(np.bincount(self.modes[begin:-1])):
+            rates, term, size, total = self.hybrid.rates[mode], row, 1.0, np.zeros(len(row))
+            for k in range(1, self.terms):
+                term, size = term[: self.layout.moving] @ rates, size * longest / k
+                total += k * (k - 1) / 8.0 * size * np.abs(term)
+            most = np.maximum(most, total)
+        off, beyond = np.abs(states @ row - target), np.abs(states[:-1]) @ most
+        maybe = np.flatnonzero(np.maximum(off[:-1], off[1:]) + beyond > tolerance)
+        last = int(maybe[-1]) if maybe.size else 0
+        return min(begin + last + 2, len(self.times) - 1)
+
+    def pieces(
+        self,
+        row: FloatArray,
+        command: float,
+        target: float = 0.0,
+        *,
+        part: tuple[int, int] | None = None,
+    ) -> Pieces:
+        """Return command·r(t) + row·z(t) − target as polynomials from one time to the next.
+
+        With `part` only the pieces from the first of two numbers to before the second.
+        """
+        times, modes, states = self._known(command)
+        begin, end = part or (0, len(times) - 1)
+        times, modes, states = times[begin : end + 1], modes[begin:end], states[begin:end]
         rows = np.empty((self.terms, len(times) - 1))
         for mode in np.flatnonzero(np.bincount(modes)):
             terms = [row]
@@ -179,9 +227,13 @@ class Run:
             for some in np.split(within, range(_AT_ONCE, len(within), _AT_ONCE)):
                 rows[:, some] = matrix @ states[some].T
         if command:
-            rows[: len(self._commanded)] += command * self._commanded
+            rows[: len(self._commanded)] += command * self._commanded[:, begin:end]
         rows[0] -= target
         return Pieces(times[:-1], np.diff(times), rows)
+
+    def _known(self, command: float) -> tuple[FloatArray, Any, FloatArray]:
+        """Return times, modes and states; where a command counts, at its breaks too."""
+        return self._split if command else (self.times, self.modes, self.states)
 
     @cached_property
     def _split(self) -> tuple[FloatArray, Any, FloatArray]:

@@ -61,14 +61,14 @@ class SharedLoops:
         self._loops = tuple(loops)
 
     def margins(self, index: int) -> AnyMargins:
-        """Return the margins of one of the loops; ValueError where `loop_margins` raises it."""
+        """Return the margins of one of the loops; raises what `loop_margins` raises."""
         found = self._found[index]
-        if isinstance(found, ValueError):
+        if isinstance(found, Exception):
             raise found
         return found
 
     @cached_property
-    def _found(self) -> list[AnyMargins | ValueError]:
+    def _found(self) -> list[AnyMargins | Exception]:
         first: list[int] = []
         for loop in self._loops:
             first.append(next((k for k in first if _same(self._loops[k], loop)), len(first)))
@@ -86,30 +86,34 @@ def _same(one: ServoLoop, other: ServoLoop) -> bool:
     return bool(one.controller == other.controller and one.plant == other.plant)
 
 
-def _factors(loop: ServoLoop) -> FactoredLoop | LoopMargins | ValueError:
+def _factors(loop: ServoLoop) -> FactoredLoop | LoopMargins | Exception:
     """Return the factors of an open loop; of one without gain its margins at once."""
     try:
         found = without_cancelled(factored(loop.open_model()))
         return found if found.gain else loop_margins(loop)
-    except ValueError as error:
+    except MemoryError:
+        raise
+    except Exception as error:
         return error
 
 
 def _together(
     factors: Mapping[int, FactoredLoop], loops: Sequence[ServoLoop]
-) -> dict[int, AnyMargins | ValueError]:
+) -> dict[int, AnyMargins | Exception]:
     """Return the margins of loops that are alike; of each by itself where one of them fails."""
     try:
         group = _Group(list(factors.values()))
-    except ValueError:
+    except (ValueError, ArithmeticError):
         return {k: _alone(loops[k]) for k in factors}
     return {k: SharedMargins(group, row) for row, k in enumerate(factors)}
 
 
-def _alone(loop: ServoLoop) -> LoopMargins | ValueError:
+def _alone(loop: ServoLoop) -> LoopMargins | Exception:
     try:
         return loop_margins(loop)
-    except ValueError as error:
+    except MemoryError:
+        raise
+    except Exception as error:
         return error
 
 

@@ -13,6 +13,7 @@ from rich.console import Console, ConsoleOptions
 from rich.table import Table
 from rich.text import Text
 
+from ...shaping.told import table
 from .baseline import Baseline
 from .comparison import FAILURES, NOTES, Row, Verdict
 from .conditions import Change
@@ -210,6 +211,18 @@ class GateReport:
     def passed(self) -> bool:
         """Whether the loop is stable, its baseline there, and nothing fails."""
         return not (self.unstable or self.missing or self.failures)
+
+    def _repr_html_(self) -> str:
+        """Return the verdict as a table: what is wrong, then each number that fails or changed."""
+        rows = [("passed", "yes" if self.passed else "no"), ("numbers", str(len(self.rows)))]
+        rows += [
+            (name, getattr(self, name)) for name in ("unstable", "missing") if getattr(self, name)
+        ]
+        rows += [
+            (each.name, f"{each.was_shown} → {each.now_shown}: {each.verdict}")
+            for each in (*self.failures, *self.notes)
+        ]
+        return table(self.title, rows)
 
     def __repr__(self) -> str:
         return f"GateReport({self.title!r}, rows={len(self.rows)}, passed={self.passed})"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, nan
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
 
-_MOST_DESIGNS = 256  # that are kept
+_MOST_DESIGNS = 1024  # that are kept
 
 
 @dataclass(frozen=True)
@@ -52,28 +52,32 @@ class Problem:
         """Return the scenario at a point."""
         return self.with_overrides(self.overrides(values))
 
-    def prepare(self, points: Sequence[Sequence[object]]) -> None:
-        """Bring points to what is worked out together with less work than one after the other."""
+    def prepared(self, points: Sequence[Sequence[object]]) -> Problem:
+        """Return one that works these points out together, with less work than one by one.
+
+        Threads that work on other points have one of their own; designed gains are common to all.
+        """
         known = {_name(values): self._begun(values) for values in points}
         servo = [each for each in known.values() if isinstance(each, _Servo)]
         shared = SharedLoops([each.loop for each in servo])
         for k, each in enumerate(servo):
             each.margins = partial(shared.margins, k)
-        self._prepared.clear()
-        self._prepared.update(known)
+        return replace(self, _prepared=known)
 
-    def _begun(self, values: Sequence[object]) -> _Servo | _Measured | ValueError:
+    def _begun(self, values: Sequence[object]) -> _Servo | _Measured | Exception:
         try:
             scenario = self.scenario(values)
             return _Measured(scenario) if scenario.body == "frf" else _Servo(scenario)
-        except ValueError as error:
+        except MemoryError:
+            raise
+        except Exception as error:
             return error
 
     def refuse_missing(self, values: Sequence[object]) -> None:
         """Raise ValueError for a figure of what there is not, which no point would have."""
         begun = self._begun(values)
         try:
-            if not isinstance(begun, ValueError):
+            if not isinstance(begun, Exception):
                 begun.figures([requirement_of(name) for name in self.figures])
         except ValueError as error:
             if str(error).startswith("requirement "):
@@ -82,18 +86,19 @@ class Problem:
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
 
-        A point that cannot be surveyed does not end the sweep; anything else than bad input
-        does, being a mistake of ours.
+        Whatever goes wrong at a point does not end the sweep, unless memory runs out.
         """
         found: Any = self._prepared.get(_name(values)) or self._begun(values)
         try:
-            if isinstance(found, ValueError):
+            if isinstance(found, Exception):
                 raise found
             asked = [requirement_of(name) for name in self.figures]
             units = [found.scenario.labels.unit_of(each.unit)[1] for each in asked]
             figures = found.figures(asked)
-        except ValueError as error:
-            return (nan,) * len(self.figures), str(error)
+        except MemoryError:
+            raise
+        except Exception as error:
+            return (nan,) * len(self.figures), _told(error)
         return tuple(x / unit for x, unit in zip(figures, units, strict=True)), ""
 
     def with_overrides(self, overrides: Mapping[str, object]) -> Scenario:
@@ -145,6 +150,11 @@ class _Measured:
         return [check.achieved for check in survey_measured(self.scenario, asked).requirements]
 
 
+def _told(error: Exception) -> str:
+    """Return the message of an error; its kind too where it is not of the input."""
+    return str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+
+
 def _name(values: Sequence[object]) -> str:
     return repr(tuple(values))
 
@@ -178,8 +188,8 @@ def check_figures(names: Sequence[str]) -> tuple[str, ...]:
         names = (names,)
     if not names:
         raise ValueError(
-            "figures = []: nothing is asked for; give some of " + ", ".join(FIGURES) + ", or "
-            "[requirements] in the scenario"
+            "figures = []: nothing is asked for; give some of " + ", ".join(FIGURES) + ", or leave "
+            "figures out and write [requirements] into the scenario"
         )
     for name in names:
         if not isinstance(name, str):

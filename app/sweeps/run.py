@@ -1,15 +1,12 @@
-"""The sweep itself: points worked through here, by processes, or by a Dask cluster."""
+"""The sweep itself: its points, who works them out, and what is kept of them."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
-import signal
 import warnings
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,18 +20,14 @@ from .progress import shown_progress
 from .result import ScenarioSweep
 from .sampling import Design, Point, points_of
 from .store import NEEDS, Store
+from .workers import batch_of, batches_of, rows_of
 
 if TYPE_CHECKING:
     import xarray
 
-_BATCHES = (4, 64)  # points that a worker takes at once, and that a kill may cost, by their count
-
 
 class Stopped(RuntimeWarning):
     """A sweep was interrupted; what it returns has not all of its points."""
-
-
-Row = tuple[tuple[float, ...], str]
 
 
 def sweep(
@@ -114,7 +107,9 @@ def sweep(
     path, known = Path(scenario), parameters_of(parameters)
     design, points = points_of(known, design, samples, seed)
     nominal = load_scenario(path)
-    asked = check_figures(figures or [each.name for each in nominal.requirements])
+    asked = check_figures(
+        [each.name for each in nominal.requirements] if figures is None else figures
+    )
     keys = tuple(parameter.key for parameter in known)
     problem = Problem(path, read_content(path), keys, asked, hold_gains)
     problem.scenario(points[0])  # a key that leads nowhere ends it here
@@ -123,7 +118,7 @@ def sweep(
     size = batch_of(len(points))
     store = Store(dataset, None if output is None else Path(output), size)
     todo = store.missing()
-    rows = _rows(problem, points, list(_batches(todo, size)), workers, client)
+    rows = rows_of(problem, points, list(batches_of(todo, size)), workers, client)
     done = len(points) - len(todo)
     with shown_progress(len(points), done, progress) as advance, closing(rows):
         try:
@@ -205,103 +200,3 @@ def _identity(problem: Problem, points: Sequence[Point]) -> str:
     }
     digests = {k: hashlib.sha256(repr(v).encode()).hexdigest()[:16] for k, v in parts.items()}
     return json.dumps(digests)
-
-
-def batch_of(points: int) -> int:
-    """Return how many points are worked out together: enough for speed, few enough to share."""
-    least, most = _BATCHES
-    return max(least, min(most, points // 16))
-
-
-def _batches(todo: Sequence[int], size: int) -> Iterator[range]:
-    """Yield runs of consecutive points, none across the chunks that are written at once."""
-    for _, run in groupby(enumerate(todo), lambda pair: (pair[1] - pair[0], pair[1] // size)):
-        numbers = [number for _, number in run]
-        yield range(numbers[0], numbers[-1] + 1)
-
-
-def _rows(
-    problem: Problem,
-    points: Sequence[Point],
-    batches: Sequence[range],
-    workers: int | None,
-    client: Any,
-) -> Generator[tuple[int, list[Row]]]:
-    """Yield what was found in each batch, in the order in which they are done."""
-    given = [(batch.start, [points[k] for k in batch]) for batch in batches]
-    if client is not None:
-        yield from _by_cluster(problem, given, client)
-        return
-    count = workers_of(workers, len(given))
-    if count == 1:
-        yield from (_work(problem, *batch) for batch in given)
-        return
-    yield from _by_processes(problem, given, count)
-
-
-def workers_of(workers: int | None, batches: int) -> int:
-    """Return how many processes are of use."""
-    if workers is not None and (type(workers) is not int or workers < 1):
-        raise ValueError(f"workers = {workers!r}: expected a whole number from 1 on")
-    return max(1, min(workers or os.cpu_count() or 1, batches))
-
-
-def _work(problem: Problem, first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
-    problem.prepare(points)
-    return first, [problem.evaluate(point) for point in points]
-
-
-def _by_processes(
-    problem: Problem, given: Sequence[tuple[int, list[Point]]], count: int
-) -> Iterator[tuple[int, list[Row]]]:
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    pool = ProcessPoolExecutor(
-        count,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,  # Ctrl-C is for the process that waits
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    )
-    try:
-        waiting = [pool.submit(_work_there, problem, *batch) for batch in given]
-        for done in as_completed(waiting):
-            yield done.result()
-    except BrokenProcessPool:
-        raise ChildProcessError(
-            "a process of the sweep has died, as where memory runs out; the output keeps what is "
-            "done: go on with the same call, and fewer workers"
-        ) from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-_SENT: dict[str, Problem] = {}
-
-
-def _work_there(problem: Problem, first: int, points: Sequence[Point]) -> tuple[int, list[Row]]:
-    """Work in another process, which keeps the gains that it has designed for all its batches.
-
-    The problem goes with every batch, not once to each worker: a worker may die or come late.
-    """
-    known = json.dumps([problem.content, problem.keys, problem.figures, problem.hold_gains])
-    if known not in _SENT:
-        _SENT.clear()
-        _SENT[known] = problem
-    return _work(_SENT[known], first, points)
-
-
-def _by_cluster(
-    problem: Problem, given: Sequence[tuple[int, list[Point]]], client: Any
-) -> Iterator[tuple[int, list[Row]]]:
-    from dask.distributed import as_completed
-
-    work: Callable[..., Any] = _work_there
-    waiting = [client.submit(work, problem, *batch, pure=False, retries=2) for batch in given]
-    try:
-        for done in as_completed(waiting):  # type: ignore[no-untyped-call]
-            yield done.result()
-            done.release()
-    finally:
-        client.cancel(waiting)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,7 @@ class Store:
         return [int(i) for i in np.flatnonzero(~self.dataset["done"].values)]
 
     def write(self, first: int, rows: Sequence[tuple[Sequence[float], str]]) -> None:
-        """Keep what was found at consecutive points."""
+        """Keep what was found at consecutive points; OSError, in one line, on a full disk."""
         where = slice(first, first + len(rows))
         for k, name in enumerate(self.dataset.attrs["figures"]):
             self.dataset[name].values[where] = [values[k] for values, _ in rows]
@@ -76,12 +77,32 @@ class Store:
         if self._folder is not None:
             part = self.dataset[list(names)].isel(point=where)
             part = part.drop_vars(list(part.coords))
-            part.to_zarr(self._folder, region={"point": where}, zarr_format=2)
+            with self._told():
+                part.to_zarr(self._folder, region={"point": where}, zarr_format=2)
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Say what to do where a disk fills; h5py tells it as RuntimeError, too."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            told = getattr(error, "strerror", None) or str(error).partition("\n")[0]
+            raise OSError(
+                f"{self.path}: cannot be written any more ({told}); what is done is kept in "
+                f"{self._folder}: make room, and go on with the same call"
+            ) from None
 
     def finish(self) -> None:
         """Turn the folder that grew into the file that was asked for."""
         if self.path is not None and self._folder != self.path:
-            self.dataset.to_netcdf(self.path, engine="h5netcdf")
+            part = self.path.with_name(self.path.name + ".part")
+            try:
+                with self._told():
+                    self.dataset.to_netcdf(part, engine="h5netcdf")
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
+            part.replace(self.path)
             shutil.rmtree(self._folder)  # type: ignore[arg-type]
 
 

@@ -12,6 +12,7 @@ from typing import Literal, Self
 import numpy as np
 
 from ...shaping.checks import positive
+from ...shaping.told import table
 from ..importing.description import FmuError, FmuUnit, candidates
 from ..importing.stepping import Fmu
 from .cosimulate import cosimulate
@@ -22,7 +23,7 @@ from .participants import units_of
 _NEARLY = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FmuSystem:
     """FMUs, initialised, with what connects them: those of an SSP file. A context manager.
 
@@ -56,6 +57,22 @@ class FmuSystem:
     dt: float
     stop_time: float | None
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        links = f"{len(self.connections)} connections"
+        return f"<FmuSystem {self.name}: {', '.join(self.blocks)}; {links}>"
+
+    def _repr_html_(self) -> str:
+        """Return the system as a table: its FMUs, and each input and output with its unit."""
+        rows = [("FMU", name) for name in self.blocks]
+        rows.append(("connections", str(len(self.connections))))
+        for kind, names in (("input", self.inputs), ("output", self.outputs)):
+            rows += [
+                (kind, f"{name} [{self.units[name].name}]" if name in self.units else name)
+                for name in names
+            ]
+        rows.append(("step", f"{self.dt:g} s"))
+        return table(self.name, rows)
 
     def __enter__(self) -> Self:
         return self

@@ -14,6 +14,7 @@ from ..limits import Limits
 from ..passage import Passage
 from ..pieces import FloatArray
 from ..real_numbers import shown
+from ..told import table
 from ..trajectory import Motion, Trajectory
 from .axes import Axis, Planned, axis_of, planned_motion
 from .line_under_way import Line, changed, line_from, unknown_limits
@@ -66,6 +67,11 @@ class Synchronized(tuple[Motion, ...]):
 
     def __repr__(self) -> str:
         return f"Synchronized(axes={len(self)}, mode={self.mode!r}, duration={self.duration:.10g})"
+
+    def _repr_html_(self) -> str:
+        rows = [("mode", self.mode), ("duration", f"{self.duration:.10g}")]
+        rows += [(f"axis {k}", repr(motion)) for k, motion in enumerate(self)]
+        return table(type(self).__name__, rows)
 
     @property
     def duration(self) -> float:

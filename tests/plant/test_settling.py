@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from jounce.plant import (
+    Axis,
+    Controller,
     FlexibleInertia,
+    FlexibleMode,
     InertiaFeedforward,
     LoopResponse,
     ServoLoop,
@@ -65,3 +68,25 @@ def test_the_load_behind_a_jerk_filter_settles_later_than_the_motor():
     assert usual == measured < load - 0.5
     late = response.time[np.abs(response.load - 1.0) > 1e-3][-1]
     assert load == pytest.approx(late, abs=1.1e-3)
+
+
+@pytest.mark.parametrize("target", [1.0, None])
+@pytest.mark.parametrize("viscous", [0.0, 0.3])
+def test_only_pieces_that_may_be_outside_are_made_and_none_is_missed(target, viscous):
+    axis = Axis(
+        1.0,
+        modes=[FlexibleMode(6.0, damping=0.003, load_fraction=0.3)],
+        viscous=viscous,
+        sensor="motor",
+    )
+    law = design_pid(1.0, crossover_hz=1.0, phase_margin_deg=45.0, lower_gain_margin_db=12.0)
+    move = min_time_move(1.0, Limits(1.0, 4.0, 60.0))
+    run = ServoLoop(axis, Controller(law, sample_time=2e-3)).respond(move, 0.01, duration=8.0).run
+    command, goal = (-1.0, 0.0) if target is None else (0.0, target)
+    last = []
+    for tolerance in np.geomspace(1e-7, 2.0, 40):
+        found = run.last_outside(run.load_row, command, goal, tolerance)
+        assert found == run.pieces(run.load_row, command, goal).last_outside(tolerance)
+        last.append(found)
+    assert len(set(last)) > 20
+    assert last == sorted(last, reverse=True)

@@ -7,6 +7,7 @@ import pytest
 from swept_axis import AXIS
 
 from jounce.app import sweep
+from jounce.app.gate.sweep_check import check_sweep
 from jounce.app.sweeps.sweep_file import read_sweep_file
 
 SWEEP = """figures = ["phase_margin", "modulus_margin"]
@@ -41,6 +42,8 @@ def test_a_stored_sweep_passes_and_its_numbers_are_those_of_the_sweep(files, che
     status, out, errors = check()
     assert (status, errors) == (0, [])
     assert "Passed" in out
+    html = check_sweep(*files, workers=1)._repr_html_()
+    assert "<th style='text-align:left'>passed</th><td style='text-align:left'>yes</td>" in html
 
 
 def test_a_worse_plant_fails_with_what_was_is_and_may_be(files, check):

@@ -1,6 +1,8 @@
 """Sweeps of a scenario: the points, what is kept, what they answer, stopping and going on."""
 
+import errno
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -17,6 +19,10 @@ from jounce.app import LogUniform, Normal, ScenarioSweep, Uniform, survey_file, 
 
 INERTIA = {"plant.inertia": Uniform("1.5 kg m^2", "2500 g m^2")}
 QUICK = ("phase_margin", "crossover")
+
+whole = pytest.mark.skipif(
+    os.environ.get("JOUNCE_TIER") != "slow", reason="starts processes anew: in make test-slow"
+)
 
 
 @pytest.fixture
@@ -68,8 +74,8 @@ def test_the_worst_case_is_a_file_that_gives_its_figures(axis, tmp_path):
 
 
 def test_the_numbers_do_not_depend_on_who_works_them_out(axis):
-    here = sweep(axis, INERTIA, figures=QUICK, samples=20, workers=1)
-    there = sweep(axis, INERTIA, figures=QUICK, samples=20, workers=2)
+    here = sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1)
+    there = sweep(axis, INERTIA, figures=QUICK, samples=8, workers=2)
     assert here.dataset.drop_vars("failure").equals(there.dataset.drop_vars("failure"))
 
 
@@ -80,6 +86,108 @@ def test_a_point_that_fails_is_told_and_ends_nothing(axis):
     assert "UNSTABLE" in reason
     assert np.isnan(found.values("phase_margin")[1])
     assert (found.met().met, found.met().points) == (1, 2)
+    html = found._repr_html_()
+    for told in ("2 of 2", "1 of 2 points meet", "deg at plant.inertia = 2 kg m^2", ">failed<"):
+        assert told in html
+
+
+@pytest.mark.parametrize("wrong", [ZeroDivisionError("by 0"), KeyError("gone")])
+def test_whatever_goes_wrong_at_a_point_is_told_there(axis, monkeypatch, wrong):
+    from jounce.app.sweeps import figures
+
+    honest = figures.servo_loop_of
+
+    def failing(scenario):
+        if scenario.inertia == 3.0:
+            raise wrong
+        return honest(scenario)
+
+    monkeypatch.setattr(figures, "servo_loop_of", failing)
+    keys = {"plant.inertia": ["2 kg m^2", "3 kg m^2", "2.5 kg m^2"]}
+    found = sweep(axis, keys, figures=QUICK, workers=1)
+    assert found.failures() == {1: f"{type(wrong).__name__}: {wrong}"}
+    wrong = MemoryError()
+    with pytest.raises(MemoryError):
+        sweep(axis, keys, figures=QUICK, workers=1)
+
+
+def test_margins_that_fail_at_one_point_leave_the_others_theirs(axis, monkeypatch):
+    from jounce.analysis.margins import shared_margins
+
+    honest, seen = shared_margins.factored, []
+
+    def failing(model):
+        seen.append(model)
+        if len(seen) == 2:
+            raise FloatingPointError("overflow")
+        return honest(model)
+
+    monkeypatch.setattr(shared_margins, "factored", failing)
+    found = sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1)
+    assert found.failures() == {1: "FloatingPointError: overflow"}
+
+
+@pytest.mark.parametrize("name", ["sweep.zarr", "sweep.nc"])
+def test_a_disk_that_fills_is_told_in_a_line_and_the_sweep_goes_on(
+    axis, tmp_path, monkeypatch, name
+):
+    honest, written = xarray.Dataset.to_zarr, []
+
+    def full(*given, **asked):
+        written.append(asked)
+        if len(written) == 4:  # the folder, figures and mark of a batch, figures of the next
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return honest(*given, **asked)
+
+    monkeypatch.setattr(xarray.Dataset, "to_zarr", full)
+    asked = {"figures": QUICK, "samples": 8, "workers": 1, "output": tmp_path / name}
+    with pytest.raises(
+        OSError, match=r"cannot be written any more \(No space left.* go on with"
+    ) as e:
+        sweep(axis, INERTIA, **asked)
+    assert "\n" not in str(e.value)
+    again = sweep(axis, INERTIA, **asked)
+    assert again.is_whole
+    assert len(written) == 6
+    assert [path.name for path in tmp_path.iterdir() if "sweep" in path.name] == [name]
+
+
+def test_a_file_that_does_not_fit_leaves_no_part_and_is_made_by_the_same_call(
+    axis, tmp_path, monkeypatch
+):
+    def full(_, path, **__):
+        Path(path).write_bytes(b"part")
+        raise RuntimeError("Unable to flush file\n(no space left)")
+
+    asked = {"figures": QUICK, "samples": 4, "workers": 1, "output": tmp_path / "sweep.nc"}
+    with monkeypatch.context() as filled:
+        filled.setattr(xarray.Dataset, "to_netcdf", full)
+        with pytest.raises(OSError, match=r"Unable to flush file.*make room"):
+            sweep(axis, INERTIA, **asked)
+    assert {path.name for path in tmp_path.iterdir()} == {"axis.toml", "sweep.nc.growing"}
+    assert sweep(axis, INERTIA, **asked).is_whole
+    assert {path.name for path in tmp_path.iterdir()} == {"axis.toml", "sweep.nc"}
+
+
+@whole
+def test_a_process_that_dies_is_told_in_a_line_and_the_sweep_goes_on(axis, tmp_path, monkeypatch):
+    from jounce.app.sweeps.store import Store
+
+    honest = Store.write
+
+    def killing(*given):
+        honest(*given)
+        for process in multiprocessing.active_children():
+            process.kill()
+
+    asked = {"figures": QUICK, "samples": 64, "output": tmp_path / "sweep.zarr"}
+    with monkeypatch.context() as deadly:
+        deadly.setattr(Store, "write", killing)
+        with pytest.raises(ChildProcessError, match=r"has died.* go on with the same call") as told:
+            sweep(axis, INERTIA, **asked, workers=2)
+    assert "\n" not in str(told.value)
+    assert done_in(tmp_path / "sweep.zarr") >= 4
+    assert sweep(axis, INERTIA, **asked, workers=1).is_whole
 
 
 @pytest.mark.parametrize("name", ["sweep.zarr", "sweep.nc"])
@@ -95,7 +203,7 @@ STOPPED = """
 import sys
 from jounce.app import Uniform, sweep
 if __name__ == "__main__":
-    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=640,
+    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=160,
           figures=["phase_margin"], output=sys.argv[2], workers=1)
 """
 
@@ -112,7 +220,7 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     before = done_in(folder)
-    assert 32 <= before < 640
+    assert 32 <= before < 160
     seen = []
 
     from jounce.app.sweeps.figures import Problem
@@ -123,8 +231,8 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Problem, "evaluate", counted)
     parameters = {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}
-    whole = sweep(axis, parameters, samples=640, figures=["phase_margin"], output=folder, workers=1)
-    assert len(seen) == 640 - before
+    whole = sweep(axis, parameters, samples=160, figures=["phase_margin"], output=folder, workers=1)
+    assert len(seen) == 160 - before
     assert whole.dataset["done"].values.all()
     assert (whole.values("phase_margin") > 10.0).sum() == before
 
@@ -166,7 +274,8 @@ def test_a_stopped_sweep_returns_what_is_done_and_goes_on(axis, tmp_path, monkey
     assert "12 of 16 points" in errors[0]
     assert "the same command goes on" in errors[0]
     seen += [None] * 99
-    assert run(*command)[0] == 0
+    whole = sweep(axis, INERTIA, **asked)
+    assert (whole.is_whole, len(seen)) == (True, 113)
 
 
 INTERRUPTED = """
@@ -181,7 +290,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.slow
+@whole
 def test_an_interrupt_of_all_its_processes_keeps_what_is_done(axis, tmp_path):
     script, folder = tmp_path / "interrupted.py", tmp_path / "sweep.zarr"
     script.write_text(INTERRUPTED, encoding="utf-8")
@@ -266,6 +375,7 @@ def test_other_bad_input_is_refused(axis):
         ({"figures": QUICK, "samples": 4, "workers": True}, "workers = True"),
         ({"figures": QUICK, "samples": 4, "seed": None}, "seed = None"),
         ({"figures": [3], "samples": 4}, "figures: 3"),
+        ({"figures": [], "samples": 4}, r"figures = \[\]: nothing is asked for"),
         ({"figures": ["nomove.load_settling"], "samples": 4}, "there is no 'nomove'"),
         ({"figures": ["disturbance_peak"], "samples": 4}, "no such figure"),
     ):

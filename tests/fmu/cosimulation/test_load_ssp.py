@@ -56,6 +56,8 @@ def test_components_run_connected(tmp_path, version):
     with load_ssp(chain(tmp_path, version=version)) as whole:
         assert (whole.name, list(whole.blocks), whole.dt) == ("whole", ["a", "b"], DT)
         assert whole.connections == (("a.y", "b.u"),)
+        assert repr(whole) == "<FmuSystem whole: a, b; 1 connections>"
+        assert "<th style='text-align:left'>FMU</th>" in whole._repr_html_()
         run = whole.run(inputs={"a.u": lambda t: 1.0 + t})
     assert run.time.tolist() == (DT * np.arange(9)).tolist()
     np.testing.assert_array_equal(run["b.y"][1:], 1.0 + run.time[:-1])
