@@ -88,6 +88,11 @@ def told(session: Session, *messages, until: str = "ready") -> dict[str, dict]:
     return found
 
 
+def problem_of(session: Session, message: dict) -> str:
+    """Give a session a message; return what it says is wrong, without what it goes on to show."""
+    return told(session, message, until="problem")["problem"]["text"]
+
+
 def value_of(parts: dict[str, dict], name: str) -> float:
     """Return a margin that is shown."""
     [row] = [row for row in parts["numbers"]["margins"] if row["name"] == name]

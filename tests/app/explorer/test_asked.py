@@ -3,7 +3,7 @@
 import tomllib
 
 import pytest
-from explored import EXAMPLES, SCENARIO, session_of, told, written
+from explored import EXAMPLES, SCENARIO, problem_of, session_of, told, written
 from tiers import some
 
 from jounce.app import load_scenario
@@ -120,7 +120,7 @@ def test_all_that_can_be_added_to_an_example_can_be_taken_away_again(tmp_path, n
 def test_what_cannot_be_asked_is_told_in_one_line(tmp_path, message, says):
     session = session_of(written(tmp_path))
     before = session.state
-    text = told(session, message)["problem"]["text"]
+    text = problem_of(session, message)
     assert says in text
     assert "\n" not in text
     assert session.state is before

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explored import NOTCH, session_of, told, value_of, written
+from explored import NOTCH, problem_of, session_of, told, value_of, written
 
 from jounce.analysis import MeasuredResponse, loop_margins, read_frf
 from jounce.app import load_scenario
@@ -77,17 +77,18 @@ def test_a_wrong_file_is_told_in_one_line_and_changes_nothing(
 ):
     session = session_of(written(tmp_path))
     before = session.state
-    shown = told(session, drop(csv.read_bytes() if content is None else content, name, **said))
-    assert says in shown["problem"]["text"]
-    assert "/tmp" not in shown["problem"]["text"]
-    assert "\n" not in shown["problem"]["text"]
+    content = csv.read_bytes() if content is None else content
+    told_of = problem_of(session, drop(content, name, **said))
+    assert says in told_of
+    assert "/tmp" not in told_of
+    assert "\n" not in told_of
     assert session.state is before
 
 
 def test_a_file_that_did_not_come_whole_is_told(tmp_path):
     session = session_of(written(tmp_path))
     message = {"kind": "data", "name": "a.csv", "content": "no base64!"}
-    assert "a.csv" in told(session, message)["problem"]["text"]
+    assert "a.csv" in problem_of(session, message)
 
 
 def test_the_worst_case_of_data_is_that_of_its_gain_and_delay(tmp_path):

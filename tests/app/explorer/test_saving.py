@@ -4,7 +4,7 @@ import tomllib
 from copy import deepcopy
 
 import pytest
-from explored import EXAMPLES, NOTCH, SCENARIO, session_of, told, written
+from explored import EXAMPLES, NOTCH, SCENARIO, problem_of, session_of, told, written
 
 from jounce.app import load_scenario
 from jounce.app.explorer.saving import differences, merged
@@ -159,7 +159,7 @@ def test_saving_under_another_name_leaves_the_file_alone(tmp_path):
 @pytest.mark.parametrize("name", ["../b.toml", "/tmp/b.toml", "b.txt", "sub/b.toml"])
 def test_only_scenario_files_beside_the_scenario_are_written(tmp_path, name):
     session = session_of(written(tmp_path))
-    assert "beside the scenario" in told(session, {"kind": "save", "name": name})["problem"]["text"]
+    assert "beside the scenario" in problem_of(session, {"kind": "save", "name": name})
     assert [path.name for path in tmp_path.iterdir()] == ["two_modes.toml"]
 
 
@@ -168,7 +168,7 @@ def test_a_file_that_others_have_changed_is_not_overwritten(tmp_path):
     session = session_of(path)
     path.write_text(SCENARIO + "# more\n", encoding="utf-8")
     told(session, {"kind": "set", "key": "plant.inertia", "number": 3.0})
-    assert "changed by others" in told(session, {"kind": "save"})["problem"]["text"]
+    assert "changed by others" in problem_of(session, {"kind": "save"})
     assert path.read_text(encoding="utf-8").endswith("# more\n")
 
 

@@ -3,7 +3,7 @@
 import tomllib
 
 import pytest
-from explored import NOTCH, SCENARIO, session_of, told, value_of, written
+from explored import NOTCH, SCENARIO, problem_of, session_of, told, value_of, written
 
 from jounce.analysis import loop_margins
 from jounce.app import load_scenario
@@ -140,7 +140,7 @@ def test_a_field_takes_a_number_in_its_unit_or_a_text_with_another(session):
 )
 def test_what_cannot_be_is_told_in_one_line_and_changes_nothing(session, message, says):
     before = session.state
-    problem = told(session, message)["problem"]["text"]
+    problem = problem_of(session, message)
     assert says in problem
     assert "\n" not in problem
     assert str(before.path) not in problem
@@ -274,13 +274,13 @@ def test_tuned_gains_are_shown_before_they_are_taken(tmp_path):
 @pytest.mark.parametrize("bound", ["abc", "", None])
 def test_bounds_that_are_no_numbers_are_told(session, bound):
     message = {"kind": "tune", "max_sensitivity": bound, "max_complementary": 1.6}
-    assert "max_sensitivity = " in told(session, message)["problem"]["text"]
+    assert "max_sensitivity = " in problem_of(session, message)
 
 
 def test_bounds_that_no_gains_keep_are_told(tmp_path):
     session = rigid(tmp_path)
     bounds = {"max_sensitivity": 1.0001, "max_complementary": 1.0001}
-    assert told(session, {"kind": "tune", **bounds})["problem"]["text"]
+    assert problem_of(session, {"kind": "tune", **bounds})
 
 
 def test_the_scenario_is_written_as_toml_reads_it(session):
