@@ -6,12 +6,11 @@ import re
 from collections.abc import Mapping
 from decimal import Decimal, DecimalException
 
-from .units import UnitError, factor, show
+from .units import UnitError, factor, parted, show
 
 _WORD = re.compile(
     r"(?<![A-Za-z_])(count|sample)s?(?![A-Za-z_])(?:\s*(?:\^|\*\*)\s*(-?[0-9]{1,2})|([²³]))?"
 )
-_QUANTITY = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)")
 _WHERE = {
     "count": 'of an encoder that is not given; write encoder_step = "0.1 arcsec" into [plant]',
     "sample": 'that are not given; write sample_time = "1 ms" into [controller]',
@@ -39,7 +38,9 @@ def spelled_out(unit: str, counted: Mapping[str, str]) -> tuple[Decimal, str]:
         if word not in counted:
             raise UnitError(f"{show(unit)} is in {word}s {_WHERE[word]}, or another unit")
         power = int(match[2] or "0²³".find(match[3] or "0") + 1)
-        number, of = _QUANTITY.fullmatch(counted[word]).groups()  # type: ignore[union-attr]
+        one = parted(counted[word])
+        assert one is not None  # what reads the file has checked it
+        number, of = one
         try:
             below = _is_below(unit[: match.start()])
             size *= Decimal(number) ** (-power if below else power)

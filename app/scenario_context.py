@@ -18,6 +18,7 @@ from .units import (
     parse_any,
     parse_motion,
     parse_quantity,
+    parted,
     show,
 )
 
@@ -36,8 +37,7 @@ INERTIA_KINDS: dict[Motion, tuple[Kind, ...]] = {
     "length": (positive_kind("a positive mass for linear moves", "1 kg"),),
 }
 _STIFFNESS: dict[Motion, str] = {"angle": "N m/rad", "length": "N/m"}
-_NUMBER = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*)", re.DOTALL)
-_PER_SECOND = re.compile(r"^\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*1?\s*/\s*s\s*$")
+_PER_SECOND = re.compile(r"1?\s*/\s*s")
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,16 @@ class Context:
         """Return a text with counts of the encoder, or samples, in the unit of what they count."""
         if not isinstance(value, str):
             return value
-        match = _NUMBER.fullmatch(value)
-        if match is None or not ("count" in value or "sample" in value):
-            return _PER_SECOND.sub(r"\1 s^-1", value)
-        size, unit = self.spelled_out(match[2], value)
+        parts = parted(value)
+        if parts is None:
+            return value
+        if _PER_SECOND.fullmatch(parts[1]):
+            return f"{parts[0]} s^-1"
+        if not ("count" in parts[1] or "sample" in parts[1]):
+            return value
+        size, unit = self.spelled_out(parts[1], value)
         try:
-            return f"{Decimal(match[1]) * size} {unit}"
+            return f"{Decimal(parts[0]) * size} {unit}"
         except DecimalException:
             return value
 

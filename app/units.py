@@ -27,7 +27,8 @@ _POWER = r"[A-Za-z]+(?:\*\*-?[1-9][0-9]?)?"
 _FACTOR = rf"(?:{_POWER}|\({_POWER}(?:\*{_POWER})*\)(?:\*\*[1-9][0-9]?)?)"
 # A product behind a solidus is refused: a/b c is read as a/(b c) by people, as (a/b) c by rule.
 _UNIT = re.compile(rf"{_FACTOR}(?:\*{_FACTOR})*(?:/{_FACTOR})*")
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_PARTS = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL)
 _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b", re.IGNORECASE)
 
 
@@ -284,6 +285,16 @@ def parse_unit(text: object, kinds: Sequence[Kind]) -> str:
     return _spelled(text)
 
 
+def parted(text: str) -> tuple[str, str] | None:
+    """Return the number that a text begins with, and the unit behind it as it is written.
+
+    The unit is not looked at, and may be empty; None where the text begins with no number. A minus
+    sign (U+2212) becomes a hyphen.
+    """
+    match = _PARTS.fullmatch(text.replace("−", "-"))
+    return None if match is None else (match[1], match[2])
+
+
 def unit_of(text: str) -> str:
     """Return the unit of a quantity that `parse_quantity` accepts, in ASCII."""
     return _split(text)[1]
@@ -311,13 +322,13 @@ def _split(text: object) -> tuple[str, str]:
     spelled = _spelled(text)
     if not spelled:
         raise UnitError("is empty")
-    number = _NUMBER.match(spelled)
-    if len(spelled) > _LONGEST_TEXT or number is None:
+    parts = parted(spelled)
+    if len(spelled) > _LONGEST_TEXT or parts is None:
         not_finite = _NOT_FINITE.match(spelled) is not None
         raise UnitError("is not finite" if not_finite else "is not a number followed by a unit")
-    if number.end() == len(spelled):
+    if not parts[1]:
         raise UnitError("has no unit")
-    return number.group(), spelled[number.end() :].strip()
+    return parts
 
 
 def _spelled(text: str) -> str:

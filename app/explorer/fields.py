@@ -10,7 +10,7 @@ from ...plant import PID
 from ...shaping.derivatives import DERIVATIVE_NAMES
 from ..scenario_messages import key_path
 from .elements import filters_of
-from .quantities import is_quantity, parted
+from .quantities import is_quantity, number_and_unit
 from .state import State, value_at
 
 Field = dict[str, Any]
@@ -118,7 +118,7 @@ def field_of(key: str, label: str, value: Any) -> Field:
     """
     if not is_quantity(value):
         return {"key": key, "label": label, "text": value, "scale": "text"}
-    number, unit = parted(value)
+    number, unit = number_and_unit(value)
     field = {"key": key, "label": label, "number": number, "unit": unit}
     if isinstance(value, int):
         return field | {"low": 1, "high": 12, "scale": "whole"}

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
-from ..units import Motion, UnitError, unit_of
+from ..units import Motion, UnitError, parted, unit_of
 
 DIGITS = 5
 """Of a number that a slider or a handle has set."""
 
-_PARTS = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _GAINS = {
     "angle": {"kp": "N m/rad", "ki": "N m/(rad s)", "kr": "N m s/rad"},
     "length": {"kp": "N/m", "ki": "N/(m s)", "kr": "N s/m"},
@@ -27,7 +25,7 @@ def said(number: float, unit: str) -> str:
     return f"{float(number)!r} {unit}".replace(".0 ", " ", 1)
 
 
-def parted(value: Any) -> tuple[float, str]:
+def number_and_unit(value: Any) -> tuple[float, str]:
     """Return number and unit of a quantity, or of a number; UnitError for what is neither.
 
     The unit is as it is written.
@@ -35,16 +33,15 @@ def parted(value: Any) -> tuple[float, str]:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value), ""
     unit_of(value)
-    match = _PARTS.fullmatch(value.replace("−", "-"))
-    if match is None:
-        raise UnitError(f"{value!r} is not a number with a unit")
-    return float(match[1]), match[2]
+    parts = parted(value)
+    assert parts is not None  # as it has a unit
+    return float(parts[0]), parts[1]
 
 
 def is_quantity(value: Any) -> bool:
     """Whether a value of a scenario file is a number or has one with a unit."""
     try:
-        parted(value)
+        number_and_unit(value)
     except UnitError:
         return False
     return True
@@ -52,7 +49,7 @@ def is_quantity(value: Any) -> bool:
 
 def with_number(value: Any, number: float) -> Any:
     """Return a quantity, or a number, with another number, rounded to a few digits."""
-    _, unit = parted(value)
+    _, unit = number_and_unit(value)
     rounded = float(f"{number:.{DIGITS}g}")
     if unit:
         return said(rounded, unit)
@@ -61,4 +58,4 @@ def with_number(value: Any, number: float) -> Any:
 
 def scaled(value: Any, ratio: float) -> Any:
     """Return a quantity, or a number, times a ratio."""
-    return with_number(value, parted(value)[0] * ratio)
+    return with_number(value, number_and_unit(value)[0] * ratio)

@@ -16,7 +16,7 @@ from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
 from ...plant import PID, as_controller
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
-from ..scenario_loop import jerk_filter_of, servo_loop_of
+from ..scenario_loop import filters_told, jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
 
 _MOST_DESIGNS = 1024  # that are kept
@@ -52,6 +52,7 @@ class Problem:
         """Return the scenario at a point."""
         return self.with_overrides(self.overrides(values))
 
+    @filters_told()  # by the first point, which `refuse_missing` has worked out
     def prepared(self, points: Sequence[Sequence[object]]) -> Problem:
         """Return one that works these points out together, with less work than one by one.
 
@@ -83,6 +84,7 @@ class Problem:
             if str(error).startswith("requirement "):
                 raise
 
+    @filters_told()
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, isfinite, log
@@ -11,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...shaping.frozen import Frozen
-from ..units import conversion, show
-
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+from ..units import conversion, parted, show
 
 
 @dataclass(frozen=True)
@@ -205,5 +202,5 @@ def _try_split(value: object) -> tuple[float, str] | None:
     """Return number and unit of a quantity; None for what is none."""
     if isinstance(value, int | float | np.number) and not isinstance(value, bool):
         return float(value), ""
-    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    return None if match is None else (float(match[1]), match[2])
+    parts = parted(value) if isinstance(value, str) else None
+    return None if parts is None else (float(parts[0]), parts[1])

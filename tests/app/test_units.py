@@ -20,6 +20,7 @@ from jounce.app.units import (
     parse_motion,
     parse_quantity,
     parse_unit,
+    parted,
     show,
     unit_of,
 )
@@ -281,3 +282,23 @@ def test_units_convert(unit, to, ratio):
 def test_units_of_another_kind_do_not(unit, to):
     with pytest.raises(UnitError, match="write a unit such as 'arcsec'"):
         conversion(unit, to)
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("60 arcsec", ("60", "arcsec")),
+        (" -.5e-3mm ", ("-.5e-3", "mm")),
+        ("−1e−3 s^−1", ("-1e-3", "s^-1")),
+        ("+2. N m/(rad s)", ("+2.", "N m/(rad s)")),
+        ("7", ("7", "")),
+        ("5 1/s", ("5", "1/s")),
+        ("1e5", ("1e5", "")),
+        ("e5 mm", None),
+        ("", None),
+        ("ZVD", None),
+        (". mm", None),
+    ],
+)
+def test_a_quantity_has_two_parts(text, parts):
+    assert parted(text) == parts
