@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from ..analysis.tables import WideTable, plain_table, without_rounding
-from ..shaping import binding_limits, proven_excess
+from ..shaping import binding_limits
 from ..shaping.derivatives import derivative_name
 from ..shaping.optimal.binding import BINDING_RTOL
-from ..shaping.optimal.whole.planner import HIGHEST_ORDER
 
 if TYPE_CHECKING:
     from ..shaping import Certificate
@@ -33,6 +32,8 @@ def plan_tables(plan: Plan, *, pieces: bool = True) -> list[Table | WideTable | 
 
 def certificate_table(plan: Plan, certificate: Certificate) -> Table:
     """Return the proof of how near a move is to the minimum time, and what each limit costs."""
+    from ..shaping.optimal.whole.planner import HIGHEST_ORDER
+
     table = plain_table("Proof of minimum time", "", "value")
     table.add_row("duration", f"{certificate.duration:.10g} s")
     table.add_row("proven minimum", f"{certificate.lower_bound:.10g} s")
@@ -50,6 +51,8 @@ def certificate_table(plan: Plan, certificate: Certificate) -> Table:
 
 def excess_text(plan: Plan) -> str:
     """Return what a closed form loses at most, as far as no program is asked."""
+    from ..shaping import proven_excess
+
     most = 100.0 * proven_excess(plan.trajectory, plan.limits)
     return (
         f"closed form: at most {most:.2g} % more than the minimum time; --certify proves how much"

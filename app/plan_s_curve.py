@@ -5,10 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, fields
 from math import inf
+from typing import TYPE_CHECKING
 
-from ..shaping import Limits, SCurveMove, s_curve_move
+from ..shaping import Limits
 from .plan import Plan, quantity, way
 from .units import Kind, Motion, UnitError, factor, motion_kind, show
+
+if TYPE_CHECKING:
+    from ..shaping import SCurveMove
 
 PERCENTAGE = Kind(name="a percentage from 0 to 100 %", unit="%", example="50 %", least=0.0)
 _BARE = re.compile(r"[0-9]+\.?[0-9]*|\.[0-9]+")
@@ -63,6 +67,8 @@ def plan_s_curve(
     ValueError
         For rates that do not fit together, or are missing.
     """
+    from ..shaping import s_curve_move
+
     route = way(distance, start, to)
     scale = factor(route.unit)
     numbers = {name: value / scale for name, value in _numbers(rates, route.motion).items()}

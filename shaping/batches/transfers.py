@@ -27,6 +27,7 @@ from .lanes import (
     table,
     together,
 )
+from .whole_transfers import WholeTransfers
 
 
 def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> MotionBatch:
@@ -35,12 +36,11 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     Parameters
     ----------
     starts, ends : (N, order) arrays
-        Position, velocity and, for order 3, acceleration; those left out at the end are zero. One
-        state (order,) stands for all.
+        Position, velocity, …, of derivatives below the order; those left out at the end are zero.
+        One state (order,) stands for all.
     limits : Limits
-        Of order 2 or 3, of numbers, which hold for all, or of arrays, in which the jerk of some
-        problems may be infinite: they are planned as those of order 2. At higher orders, and with
-        bounds on position or zero on a side, `min_time_transfer` plans one after the other.
+        Of order 2 to 10, of numbers, which hold for all, or of arrays. At order 3 the jerk of some
+        problems may be infinite: they are planned as those of order 2.
 
     Returns
     -------
@@ -51,15 +51,17 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     Raises
     ------
     ValueError
-        For arrays that do not fit or are not finite, or a highest derivative that is not bounded on
-        both sides. Ends that cannot be reached raise nothing: their duration is NaN.
+        For arrays that do not fit or are not finite, another order, or a highest derivative that is
+        not bounded on both sides. Ends that cannot be reached raise nothing: their duration is NaN.
     TypeError
         For anything but Limits, or but real numbers in an array.
 
     Notes
     -----
     Each is planned as `min_time_transfer` does, to the last bit, on all processors. A problem takes
-    some 70 bytes; its pieces, another 200 to 500, are worked out when they are asked for.
+    some 70 bytes; its pieces, another 200 to 500, are worked out when they are asked for. At orders
+    above 3, and with bounds on position or zero on a side, one is planned after the other, in the
+    time that `min_time_transfer` takes, with its warnings, and kept as a whole.
 
     Examples
     --------
@@ -69,10 +71,15 @@ def min_time_transfers(starts: ArrayLike, ends: ArrayLike, limits: Limits) -> Mo
     """
     if not isinstance(limits, Limits):
         raise not_limits(limits)
-    check_of_many(limits, check_orders)
     order = limits.order
+    whole = order > 3 or not limits.plain
+    if not whole:
+        check_of_many(limits, check_orders)
     states = [_states(name, value, order) for name, value in (("starts", starts), ("ends", ends))]
     shape = _shape(*(state.shape[:-1] for state in states), limits.shape)
+    if whole:
+        found = WholeTransfers.planned(states[0], states[1], limits, shape)
+        return MotionBatch(found.duration, np.where(np.isnan(found.duration), np.nan, 0.0), found)
     given = [_spread(state, shape) for state in states]
     wanted = [state.shape if any(state.strides[:-1]) else (0,) for state in given]
     *rooms, duration, inside_after = together(*wanted, shape, shape)

@@ -21,7 +21,7 @@ from .long_plan import long_plan
 from .proof import Numbers, Proof, Proven, Slopes
 from .proof_check import holds
 from .quick_bounds import least_duration
-from .smoothing import even_are_symmetric, truncated
+from .smoothing import even_are_symmetric, lower_order, relative_width, truncated
 from .whole.outcome import check_whole
 from .whole.planner import HIGHEST_ORDER, Plan, planned
 from .whole.warm_program import Effort
@@ -268,7 +268,7 @@ def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Pro
     """Return what one effort proves, of fewer derivatives where the highest ones spoil it."""
     n, effort = limits.order, Effort()
     best = _by_ramps(move, limits, rtol, rests)
-    for order in range(n, 1, -1):
+    for order in _orders(limits, move.duration, rtol):
         if best is not None and (
             move.duration <= best.lower_bound * (1.0 + rtol) or effort.left <= 0.0
         ):
@@ -287,6 +287,13 @@ def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Pro
             best = Proven(found.lower_bound, found.sensitivities, found.slopes, found.proof)
     assert best is not None
     return best
+
+
+def _orders(limits: Limits, duration: float, rtol: float) -> list[int]:
+    """Return the orders to be tried: the highest first, unless its ramps hardly take any time."""
+    low, orders = lower_order(limits), list(range(limits.order, 1, -1))
+    short = low > 1 and relative_width(limits, low, duration) <= rtol
+    return [low, *orders] if short else orders
 
 
 def _states(move: Trajectory, order: int, rests: bool) -> tuple[Numbers, Numbers]:

@@ -319,7 +319,8 @@ def test_the_given_arrays_are_copied():
         ),
         ({"limits": Limits(1.0)}, "^limits of order 1: expected order 2"),
         ({"limits": Limits(np.ones(2))}, "^limits of order 1: expected order 2"),
-        ({"limits": Limits(snap=1.0)}, "^limits of order 4"),
+        ({"limits": Limits.from_bounds([1.0] * 11)}, "^limits of order 11: expected order 2"),
+        ({"limits": Limits(snap=(-1.0, inf))}, "^snap is bounded in one direction only"),
         ({"limits": Limits(1.0, (-1.0, inf))}, "^acceleration is bounded in one direction only"),
         (
             {"limits": Limits(1.0, np.array([[-1.0, 1.0], [-1.0, inf]]))},
@@ -377,7 +378,7 @@ def test_some_of_many_may_have_no_bound_on_the_jerk():
         np.testing.assert_array_equal(batch(times)[i], alone(times))
     for bounds, words in (
         ({"acceleration": np.array([4.0, inf])}, r"jerk of problem 1 is not bounded"),
-        ({"acceleration": 4.0, "velocity": (-1.0, 0.0)}, "zero on one side"),
+        ({"acceleration": 4.0, "velocity": (-1.0, 0.0)}, "jerk of problem"),
     ):
         with pytest.raises(ValueError, match=words):
             min_time_transfers([0.0], [1.0], Limits(**bounds, jerk=np.array([9.0, inf])))

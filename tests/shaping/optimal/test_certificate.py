@@ -207,3 +207,11 @@ def test_what_is_refused():
         certify(move, limits, rtol=0.0)
     with pytest.raises(TypeError, match=r"trajectory = 1\.0: expected a Trajectory"):
         certify(1.0, limits)
+
+
+@pytest.mark.parametrize("snap", [1e6, 1e10])
+def test_ramps_that_take_no_time_are_left_out_of_the_proof(snap):
+    limits = Limits(velocity=1.0, acceleration=(-4.0, 1.0), jerk=10.0, snap=snap)
+    proof = certify(min_time_move(2.0, limits), limits)
+    assert proof.gap < 2e-5
+    assert proof.check()
