@@ -476,3 +476,15 @@ def test_a_mode_too_slow_to_wait_for_is_told_in_one_line():
     assert "takes 1e+08 s to fall to 37 %" in line
     assert "for 1e+04 s at most, 200,000 samples" in line
     assert told(1.0) == []
+
+
+def test_the_current_of_the_peak_torque_is_told_where_its_constant_is_known():
+    controller = Controller(PID(28.0, 38.0, 6.6), sample_time=1e-3)
+    for constant, told in ((0.5, True), (None, False)):
+        axis = Axis(1.0, gear_ratio=10.0, torque_constant=constant)
+        found = survey(ServoLoop(axis, controller, InertiaFeedforward(1.0)), [move()])
+        shown = found.moves[0].configured
+        assert ("current [A]" in str(found)) == told
+        assert isnan(shown.peak_current) != told
+        if told:
+            assert shown.peak_current == shown.peak_torque / 5.0
