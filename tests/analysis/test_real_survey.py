@@ -488,3 +488,17 @@ def test_the_current_of_the_peak_torque_is_told_where_its_constant_is_known():
         assert isnan(shown.peak_current) != told
         if told:
             assert shown.peak_current == shown.peak_torque / 5.0
+
+
+def test_a_torque_step_counts_from_where_a_constant_load_holds_the_axis():
+    controller = Controller(PID(4e4, 8e4, 7e3), sample_time=1e-3)
+    free, held = (
+        survey(
+            ServoLoop(Axis(J, modes=[mode()], constant_load=load), controller), [], torque_step=5.0
+        )
+        for load in (0.0, -40.0)
+    )
+    assert held.disturbance.response.load_error[0] > 1e-6
+    assert held.disturbance.peak == pytest.approx(free.disturbance.peak, rel=1e-6)
+    assert held.disturbance.final == pytest.approx(free.disturbance.final, rel=1e-6)
+    np.testing.assert_allclose(held.disturbance.deviation, free.disturbance.deviation, atol=1e-12)
