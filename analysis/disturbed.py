@@ -13,6 +13,7 @@ import numpy as np
 from ..plant import LoopResponse, Ramp, ServoLoop, Spectrum, TorqueSteps, Wind
 from ..plant.response_figures import load_extremes, rms_error
 from ..shaping.checks import finite, of_kind
+from ..shaping.pieces import FloatArray
 from ..shaping.told import Told
 from .specification import Tracking
 from .surveyed_loop import Poles, followed_until, linear_part, shown_times
@@ -35,7 +36,8 @@ class DisturbanceStep(Told):
     on : {"motor", "load"}
     response : LoopResponse
     peak : float
-        Largest deviation of the load.
+        Largest deviation of the load from where it stood, which a constant load may hold away
+        from the command.
     recovery_time_s : float
         After which the load stays within a tenth of that; infinite where it does not, such as
         behind a spring that the motor's sensor does not see.
@@ -48,9 +50,15 @@ class DisturbanceStep(Told):
     recovery_time_s: float
 
     @property
+    def deviation(self) -> FloatArray:
+        """The load's deviation from where it stood, over the response's time."""
+        error = self.response.load_error
+        return np.asarray(error[0] - error)
+
+    @property
     def final(self) -> float:
         """The load's deviation at the end of the response."""
-        return -float(self.response.load_error[-1])
+        return float(self.deviation[-1])
 
 
 @dataclass(frozen=True)
@@ -95,8 +103,10 @@ def disturbance_step(loop: ServoLoop, torque: float | TorqueSteps, poles: Poles)
     lead = float(steps.times[-1])
     duration = followed_until(loop, poles, _DECAY, lead)
     response = loop.respond(Ramp(0.0), times=shown_times(0.0, lead, duration), disturbance=steps)
-    peak = response.peak_load_error
-    recovery = response.settling_time(0.0, _RECOVERED * peak, of="load") if peak else 0.0
+    stood = -float(response.load_error[0])
+    low, high = load_extremes(response, stood)
+    peak = max(high, -low)
+    recovery = response.settling_time(stood, _RECOVERED * peak, of="load") if peak else 0.0
     return DisturbanceStep(float(steps.torques.sum()), steps.on, response, peak, recovery)
 
 

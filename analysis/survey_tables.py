@@ -115,6 +115,7 @@ def _real_moves_table(survey: Any) -> WideTable:
     bound = f" of {limit:.4g}" if limit < inf else ""
     heads = ["", "load settled [s]", "measured [s]", f"peak load error [{unit}]"]
     heads += [f"left at the end [{unit}]", f"{labels.torque_name}{bound} [{labels.torque_unit}]"]
+    heads += ["current [A]"] * (axis.torque_constant is not None)
     heads += ["at the limit [s]"] * (limit < inf)
     heads += ["next breakaway [s]"] * (axis.friction is not None)
     rows = []
@@ -139,6 +140,8 @@ def _move_cells(survey: Any, move: MoveSurvey, result: MoveResponse) -> list[str
     ]
     cells += [_small(each, tolerance, scale) for each in (result.peak_load_error, result.left_over)]
     cells.append(f"{result.peak_torque:.4g}")
+    if axis.torque_constant is not None:
+        cells.append(f"{result.peak_current:.4g}")
     if axis.torque_limit < inf:
         cells.append(f"{result.saturated_time_s:.4g}")
     if axis.friction is not None:

@@ -55,6 +55,9 @@ class MoveResponse(Told):
     next_breakaway_s : float
         When a motor that sticks at the end of the response breaks away, were the command to
         stand still on: infinite where it never does, nan without friction.
+    peak_current : float
+        Current of the peak torque, peak_torque/(gear_ratio·torque_constant), in A; nan without a
+        torque constant.
     """
 
     name: str
@@ -68,6 +71,7 @@ class MoveResponse(Told):
     left_over: float
     saturated_time_s: float = 0.0
     next_breakaway_s: float = nan
+    peak_current: float = nan
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +166,12 @@ def _exactly(
     times = shown_times(trajectory.start_time, lead, duration)
     found = _run(loop, trajectory, move, duration, times)
     figures = {figure: of(found, move, lead) for figure, of in _EXACT.items()}
-    return MoveResponse(name, found, **figures)
+    return MoveResponse(name, found, **figures, peak_current=_current(loop, figures["peak_torque"]))
+
+
+def _current(loop: ServoLoop, torque: float) -> float:
+    constant = loop.axis.torque_constant
+    return nan if constant is None else torque / (loop.axis.gear_ratio * constant)
 
 
 def exact_figures(
@@ -253,6 +262,7 @@ def _on_a_grid(
 
     samples = followed(arrays, clock)
     full = LoopResponse(*samples)
+    torque = float(np.abs(full.torque).max())
     settling = full.settling_time(move.distance, move.settle_to)
     beyond = (full.position - move.distance) * np.sign(move.distance)
     ended = full.time >= full.time[0] + trajectory.duration
@@ -261,9 +271,10 @@ def _on_a_grid(
         LoopResponse(*thinned(samples, KEPT)),
         settling_time_s=settling,
         peak_error=float(np.abs(full.error).max()),
-        peak_torque=float(np.abs(full.torque).max()),
+        peak_torque=torque,
         overshoot=max(float(beyond.max()), 0.0),
         load_settling_time_s=full.settling_time(move.distance, move.settle_to, of="load"),
         peak_load_error=float(np.abs(full.load_error).max()),
         left_over=float(np.abs(full.load_error[ended]).max(initial=0.0)),
+        peak_current=_current(loop, torque),
     )

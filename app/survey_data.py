@@ -209,7 +209,9 @@ def _response_data(result: MoveResponse, scale: float) -> dict[str, Any]:
 
 
 def _load_data(result: MoveResponse, scale: float) -> dict[str, Any]:
+    current = result.peak_current
     return {
+        **({"peak_current": current} if isfinite(current) else {}),
         "load_settling_time_s": _number(result.load_settling_time_s),
         "peak_load_error": result.peak_load_error / scale,
         "left_over": result.left_over / scale,

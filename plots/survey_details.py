@@ -152,7 +152,7 @@ def plot_disturbance(survey: Survey, *, ax: Axes) -> Axes:
     end = 2.0 * step.recovery_time_s if recovered and step.recovery_time_s else np.inf
     shown = step.response.time <= end
     scale, unit = labels.position_scale, labels.position_unit
-    load = -step.response.load_error[shown] / scale
+    load = step.deviation[shown] / scale
     ax.plot(step.response.time[shown], load, color=BLUE, label="load")
     tenth = 0.1 * step.peak / scale
     ax.axhspan(-tenth, tenth, color=GREEN, alpha=0.2, label="a tenth of the peak")

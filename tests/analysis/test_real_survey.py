@@ -476,3 +476,29 @@ def test_a_mode_too_slow_to_wait_for_is_told_in_one_line():
     assert "takes 1e+08 s to fall to 37 %" in line
     assert "for 1e+04 s at most, 200,000 samples" in line
     assert told(1.0) == []
+
+
+def test_the_current_of_the_peak_torque_is_told_where_its_constant_is_known():
+    controller = Controller(PID(28.0, 38.0, 6.6), sample_time=1e-3)
+    for constant, told in ((0.5, True), (None, False)):
+        axis = Axis(1.0, gear_ratio=10.0, torque_constant=constant)
+        found = survey(ServoLoop(axis, controller, InertiaFeedforward(1.0)), [move()])
+        shown = found.moves[0].configured
+        assert ("current [A]" in str(found)) == told
+        assert isnan(shown.peak_current) != told
+        if told:
+            assert shown.peak_current == shown.peak_torque / 5.0
+
+
+def test_a_torque_step_counts_from_where_a_constant_load_holds_the_axis():
+    controller = Controller(PID(4e4, 8e4, 7e3), sample_time=1e-3)
+    free, held = (
+        survey(
+            ServoLoop(Axis(J, modes=[mode()], constant_load=load), controller), [], torque_step=5.0
+        )
+        for load in (0.0, -40.0)
+    )
+    assert held.disturbance.response.load_error[0] > 1e-6
+    assert held.disturbance.peak == pytest.approx(free.disturbance.peak, rel=1e-6)
+    assert held.disturbance.final == pytest.approx(free.disturbance.final, rel=1e-6)
+    np.testing.assert_allclose(held.disturbance.deviation, free.disturbance.deviation, atol=1e-12)
