@@ -391,6 +391,8 @@ def test_other_bad_input_is_refused(axis):
             sweep(axis, INERTIA, **asked)
     with pytest.raises(ValueError, match="'2 Hz' and '1 s' in a range"):
         Uniform("2 Hz", "1 s")
+    with pytest.raises(TypeError, match="parameter 3: expected a key as text"):
+        sweep(axis, {3: ["2 kg m^2"]}, figures=QUICK)
     with pytest.raises(TypeError, match="dask"):
         sweep(axis, INERTIA, figures=QUICK, samples=4, client="tcp://host:8786")
     with pytest.raises(ValueError, match="high = '1 Hz'"):
