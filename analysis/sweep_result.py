@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ..shaping.checks import one_of
 from ..shaping.drawing import draw
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
@@ -137,6 +138,8 @@ class SweepResult:
             For a figure that was not kept, or that no point has.
         """
         values = self.values(figure)
+        if side is not None:
+            one_of("side", side, ("lowest", "highest"))
         if not self.has(figure):
             raise ValueError(f"figure {figure!r}: no point has one; see .failures()")
         lowest = is_worse_lower(figure) if side is None else side == "lowest"
@@ -283,9 +286,12 @@ class SweepResult:
             return "none"
         values, worst = self.values(figure), self.worst_point(figure)
         unit = self.dataset[figure].attrs.get("units", "")
-        where = ", ".join(f"{k} = {self._at(k, worst)}" for k in self.parameters)
         median, most = (f"{x:.5g} {unit}".strip() for x in (np.nanmedian(values), values[worst]))
-        return f"median {median}, worst {most} at {where}"
+        return f"median {median}, worst {most} at {self.told_at(worst)}"
+
+    def told_at(self, point: int) -> str:
+        """Return the parameters of a point as text, rounded: ``key = value unit, …``."""
+        return ", ".join(f"{key} = {self._at(key, point)}" for key in self.parameters)
 
     def _at(self, parameter: str, point: int) -> str:
         column = self.dataset[parameter]

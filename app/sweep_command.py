@@ -137,9 +137,10 @@ def _told(found: ScenarioSweep) -> list[object]:
             table.add_row(name, "none", "none", "")
             continue
         case, values = found.worst(figure), found.values(figure)
-        where = ", ".join(f"{key} = {case.overrides[key]}" for key in found.parameters)
         median = float(np.nanmedian(values))
-        table.add_row(name, f"{median:.5g}", f"{case.figures[figure]:.5g}", where)
+        table.add_row(
+            name, f"{median:.5g}", f"{case.figures[figure]:.5g}", found.told_at(case.point)
+        )
     told: list[object] = [table]
     if found.requirements:
         told.append(f"{found.met()}.")

@@ -150,6 +150,9 @@ def parameters_of(given: Mapping[str, object]) -> tuple[Parameter, ...]:
             'parameters = {}: nothing varies; give at least one, such as {"limits.axis.jerk": '
             '["1 deg/s^3", "2 deg/s^3"]}'
         )
+    for key in given:
+        if not isinstance(key, str):
+            raise TypeError(f"parameter {show(key)}: expected a key as text, such as plant.inertia")
     return tuple(Parameter(key, value) for key, value in given.items())
 
 

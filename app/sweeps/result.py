@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from ...analysis.sweep_result import SweepResult
 from ..overrides import override
@@ -35,7 +37,7 @@ class Case:
     point: int
     figures: Mapping[str, float]
     overrides: Mapping[str, object]
-    problem: Problem
+    problem: Problem = field(repr=False)
 
     @property
     def scenario(self) -> Scenario:
@@ -78,7 +80,12 @@ class ScenarioSweep(SweepResult):
         return self.case(self.worst_point(figure, side))
 
     def case(self, point: int) -> Case:
-        """Return one point with its scenario."""
+        """Return one point with its scenario; ValueError for one that there is not."""
+        count = self.dataset.sizes["point"]
+        if isinstance(point, bool) or not isinstance(point, int | np.integer):
+            raise ValueError(f"point = {point!r}: expected the number of a point, from 0 on")
+        if not 0 <= point < count:
+            raise ValueError(f"point = {point}: expected one of the {count}, 0 to {count - 1}")
         attributes = self.dataset.attrs
         problem = Problem(
             Path(attributes["scenario"]),
@@ -89,7 +96,7 @@ class ScenarioSweep(SweepResult):
         )
         values = [_as_given(self.dataset[name], point) for name in self.parameters]
         figures = {name: float(self.dataset[name].values[point]) for name in self.figures}
-        return Case(point, figures, problem.overrides(values), problem)
+        return Case(int(point), figures, problem.overrides(values), problem)
 
 
 def _as_given(column: xarray.DataArray, point: int) -> object:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,6 +70,13 @@ def test_the_worst_case_is_a_file_that_gives_its_figures(axis, tmp_path):
     alone = survey_file(tmp_path / "worst.toml")
     assert alone.margins.phase_margin_deg == case.figures["phase_margin"]
     assert case.scenario.inertia == pytest.approx(found.dataset["plant.inertia"].values[case.point])
+    for refused, told in (
+        (lambda: found.case(8), "0 to 7"),
+        (lambda: found.case("1"), "point = '1'"),
+        (lambda: found.worst("crossover", "upper"), "side = 'upper'"),
+    ):
+        with pytest.raises(ValueError, match=told):
+            refused()
     with pytest.raises(FileExistsError):
         case.save(tmp_path / "worst.toml")
 
@@ -383,6 +391,8 @@ def test_other_bad_input_is_refused(axis):
             sweep(axis, INERTIA, **asked)
     with pytest.raises(ValueError, match="'2 Hz' and '1 s' in a range"):
         Uniform("2 Hz", "1 s")
+    with pytest.raises(TypeError, match="parameter 3: expected a key as text"):
+        sweep(axis, {3: ["2 kg m^2"]}, figures=QUICK)
     with pytest.raises(TypeError, match="dask"):
         sweep(axis, INERTIA, figures=QUICK, samples=4, client="tcp://host:8786")
     with pytest.raises(ValueError, match="high = '1 Hz'"):
@@ -427,3 +437,22 @@ def test_the_command_prints_answers_and_writes_files(axis, tmp_path, run):
     status, _, errors = run(*arguments)
     assert status == 2
     assert "figure is no key" in errors[0]
+
+
+def test_a_notebook_shows_rate_and_time_left_in_one_line(monkeypatch):
+    from jounce.app.sweeps import progress
+
+    shown, clock = [], iter([0.0, 2.0, 4.0])
+    line = SimpleNamespace(update=lambda data, **_: shown.append(data["text/plain"]))
+    told = SimpleNamespace(display=lambda data, **_: shown.append(data["text/plain"]) or line)
+    monkeypatch.setitem(sys.modules, "ipykernel", SimpleNamespace())
+    monkeypatch.setitem(sys.modules, "IPython.display", told)
+    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
+    with progress.shown_progress(100, 20, None) as advance:
+        advance(20)
+        advance(60)
+    assert shown == [
+        "20 of 100 points",
+        "40 of 100 points, 10 points/s, 6 s left",
+        "100 of 100 points, 20 points/s",
+    ]
