@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from ...shaping import Limits, Trajectory
 from ...shaping.checks import finite, positive, whole
 from ...shaping.frozen import Frozen
+from ...shaping.real_numbers import real_array, shown
 from ...shaping.told import Told
 from .rational_fits import Real
 
@@ -115,7 +117,7 @@ def multisine(
     if left_out:
         lines = _thinned(lines, rng)
     hertz = lines / (period * dt)
-    amplitude = np.ones(len(lines)) if weight is None else np.asarray(weight(hertz), dtype=float)
+    amplitude = np.ones(len(lines)) if weight is None else _weighted(weight, hertz)
     values = min(
         (_wave(lines, amplitude, period, rng) for _ in range(whole("tries", tries, 1, 10**5))),
         key=_crest,
@@ -129,6 +131,10 @@ def multisine(
 
 
 def _lines(dt: float, period: int, band_hz: tuple[float, float], *, odd: bool) -> Any:
+    if not isinstance(band_hz, Sequence) or len(band_hz) != 2:
+        raise TypeError(
+            f"band_hz = {shown(band_hz)}: expected the lowest and highest, (5.0, 200.0)"
+        )
     low, high = (finite("band_hz", edge) for edge in band_hz)
     every = np.arange(1, (period + 1) // 2)
     hertz = every / (period * dt)
@@ -140,6 +146,22 @@ def _lines(dt: float, period: int, band_hz: tuple[float, float], *, odd: bool) -
             f"distance below {0.5 / dt:g} Hz: expected two or more; make the period longer"
         )
     return lines
+
+
+def _weighted(weight: Any, hertz: Real) -> Real:
+    """Return the relative amplitudes of the lines."""
+    if not callable(weight):
+        raise TypeError(
+            f"weight = {shown(weight)}: expected a function from frequencies in Hz to relative "
+            "amplitudes, such as lambda f: 1 / f"
+        )
+    found = real_array("weight(frequencies)", weight(hertz))
+    if found.shape != hertz.shape or not np.isfinite(found).all() or not found.any():
+        raise ValueError(
+            f"weight of {len(hertz)} frequencies gives {shown(found)}: expected as many finite "
+            "amplitudes, not all 0"
+        )
+    return found
 
 
 def _thinned(lines: Any, rng: np.random.Generator) -> Any:

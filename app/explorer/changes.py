@@ -19,7 +19,7 @@ from .loop_view import margins_of
 from .move_changes import with_order, with_shaper
 from .open_loops import open_gain
 from .quantities import with_number
-from .state import State, put, value_at
+from .state import State, in_time, put, value_at
 
 Message = Mapping[str, Any]
 Change = Callable[[State, Message], State]
@@ -76,7 +76,7 @@ def _uncertain(state: State, message: Message) -> State:
             f"errors of {inertia:g} of the inertia and {delay:g} s: expected a share from 0 to "
             "below 1, and a time not below zero"
         )
-    return replace(state, inertia_error=inertia, delay_error_s=delay)
+    return in_time(replace(state, inertia_error=inertia, delay_error_s=delay))
 
 
 def _source(state: State, message: Message) -> State:

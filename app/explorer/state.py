@@ -19,6 +19,8 @@ from .quantities import gain_units, said
 
 Source = Literal["model", "data"]
 
+_MOST_SAMPLES = 250  # of delay: states of the sampled loop
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class State:
@@ -98,7 +100,7 @@ def started(
         source="model" if measured is None else "data",
     )
     if not isinstance(own.gains, str):
-        return state
+        return in_time(state)
     return put(state, {"controller.gains": gains_of(state.loop.controller_noun.law, state)})
 
 
@@ -127,8 +129,20 @@ def with_content(state: State, content: dict[str, Any]) -> State:
     """Return the state with another content, checked."""
     changed = replace(state, content=content)
     changed.scenario  # noqa: B018 - checks it
-    changed.loop  # noqa: B018
-    return changed
+    return in_time(changed)
+
+
+def in_time(state: State) -> State:
+    """Return a state whose delay is not so many samples that a page would wait for its numbers."""
+    noun = state.loop.controller_noun
+    if noun.sample_time is not None:
+        samples = (noun.delay + state.delay_error_s) / noun.sample_time
+        if samples > _MOST_SAMPLES:
+            raise ValueError(
+                f"a delay of {samples:.4g} samples, its error included: expected "
+                f"{_MOST_SAMPLES} at most on this page; make it less, or see it by jounce survey"
+            )
+    return state
 
 
 def gains_of(law: PID | CascadedPI, state: State) -> dict[str, Any]:

@@ -43,12 +43,15 @@ class Revision:
     name : str
         Where the margins before come from: a file, or the scenario as it was opened.
     before : Baseline
+    stored : bool
+        Whether that is a file, so that what is worse fails. Else bounds alone judge.
     checks : Checks
         Of the check file, and with `asked` what the scenario requires.
     """
 
     name: str
     before: Baseline
+    stored: bool
     checks: Checks
 
     def asked(self, requirements: tuple[Requirement, ...]) -> Revision:
@@ -75,17 +78,17 @@ def revision_of(state: State, margins: LoopMargins) -> Revision:
     checks = _written(state, numbers)
     stored = baseline_beside(state.path)
     if not stored.exists():
-        return Revision("as opened", measured_baseline(numbers, None, checks), checks)
+        return Revision("as opened", measured_baseline(numbers, None, checks), False, checks)
     known = {number.key for number in numbers}
     kept = {key: one for key, one in load_baseline(stored).numbers.items() if key in known}
-    return Revision(stored.name, Baseline(None, None, MappingProxyType(kept)), checks)
+    return Revision(stored.name, Baseline(None, None, MappingProxyType(kept)), True, checks)
 
 
 def judged(margins: Margins, revision: Revision) -> list[dict[str, Any]]:
     """Return a row for each margin: value, error bar, worst, place, what was, what may be."""
-    rows = {
-        row.key[-1]: row for row in compare(numbers_of(margins), revision.before, revision.checks)
-    }
+    before = revision.before if revision.stored else None
+    rows = {row.key[-1]: row for row in compare(numbers_of(margins), before, revision.checks)}
+    was = {key[-1]: one.value for key, one in revision.before.numbers.items()}
     found = []
     for name, label, unit, place in _ROWS:
         row = rows.get(name)
@@ -99,7 +102,7 @@ def judged(margins: Margins, revision: Revision) -> list[dict[str, Any]]:
                 "shown": _shown(margins, name),
                 "worst": finite_or_none(getattr(margins, f"{name}_worst", nan)),
                 "at_hz": finite_or_none(getattr(margins, place) if place else nan),
-                "was": "" if row is None else _short(row.was),
+                "was": _short(was.get(name)),
                 "allowed": "" if row is None else _allowed(revision, row.key),
                 "verdict": "unmeasured" if row is None or row.now is None else row.verdict,
                 "fails": row is not None and row.now is not None and row.verdict in FAILURES,

@@ -7,6 +7,7 @@ from jounce.analysis import (
     MeasuredResponse,
     estimate_frf,
     loop_margins,
+    multisine,
     read_frf,
     repeated_margins,
 )
@@ -135,3 +136,18 @@ def test_a_universal_file_that_cannot_be_used_is_one_line(tmp_path, content, tol
     with pytest.raises(ValueError, match=told) as error:
         read_frf(path, kind="plant")
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "told"),
+    [
+        ({"weight": 2.0}, TypeError, "weight = 2.0: expected a function"),
+        ({"weight": lambda f: 0.0 * f}, ValueError, "not all 0"),
+        ({"weight": lambda f: np.nan * f}, ValueError, "finite amplitudes"),
+        ({"weight": lambda f: f[:3]}, ValueError, "weight of 199 frequencies gives"),
+        ({"band_hz": 200.0}, TypeError, "band_hz = 200.0: expected the lowest and highest"),
+    ],
+)
+def test_a_multisine_that_cannot_be_is_told(options, kind, told):
+    with pytest.raises(kind, match=told):
+        multisine(1e-3, 1000, **{"band_hz": (2.0, 200.0), "torque": 1.0} | options)

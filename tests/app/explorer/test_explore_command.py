@@ -2,7 +2,9 @@
 
 import json
 import os
+import signal
 import socket
+import subprocess
 import sys
 
 import pytest
@@ -83,3 +85,20 @@ def test_margins_are_worked_out_in_one_thread_where_nothing_else_is_asked(
     assert run("explore", written(tmp_path), "--no-browser")[0] == 0
     assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
     assert os.environ["MKL_NUM_THREADS"] == "3"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
+def test_ctrl_c_ends_it_without_a_word(tmp_path):
+    pytest.importorskip("websockets")
+    command = ["from jounce.app.command_line import main; main()", "explore", "--no-browser"]
+    with subprocess.Popen(
+        [sys.executable, "-c", *command, written(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as served:
+        assert served.stdout.readline().startswith("http://127.0.0.1:")
+        served.send_signal(signal.SIGINT)
+        assert served.wait(timeout=20) == 0
+        assert served.stderr.read() == ""

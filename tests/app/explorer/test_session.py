@@ -1,5 +1,6 @@
 """Messages to states: dragged handles, fields, filters, undo; numbers beside the gate's own."""
 
+import re
 import tomllib
 
 import pytest
@@ -38,7 +39,7 @@ def test_margins_are_those_of_the_file(session, path):
     exact = of_file(path)
     for row in shown["numbers"]["margins"]:
         assert row["value"] == getattr(exact, row["name"])
-        assert row["verdict"] in ("same", "within")
+        assert row["verdict"] in ("unchecked", "within")
     assert shown["numbers"]["stable"] is True
 
 
@@ -177,6 +178,17 @@ def test_bounds_of_the_check_file_and_of_requirements_colour_the_margins(tmp_pat
     assert rows["sensitivity_peak"]["allowed"] == "≤ 2"
 
 
+def test_margins_as_opened_stand_beside_and_judge_nothing(session, path):
+    shown = told(
+        session, {"kind": "drag", "handle": "gain", "gesture": "g", "hz": 5.0, "gain": 0.5}
+    )
+    rows = {r["name"]: r for r in shown["numbers"]["margins"]}
+    assert shown["numbers"]["revision"] == "as opened"
+    assert rows["crossover_hz"]["verdict"] == "unchecked"
+    assert not rows["crossover_hz"]["fails"]
+    assert rows["crossover_hz"]["was"] == f"{of_file(path).crossover_hz:.4g}"
+
+
 def test_margins_stand_beside_those_that_were_stored(tmp_path):
     path = written(tmp_path)
     stored = measured_baseline(loop_numbers(of_file(path)), None, Checks())
@@ -288,3 +300,17 @@ def test_the_scenario_is_written_as_toml_reads_it(session):
     text = session.text()
     assert tomllib.loads(text) == session.state.content
     assert text.replace('"90 Hz"', '"72 Hz"') == SCENARIO
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"kind": "uncertain", "delay_error_s": 0.5},
+        {"kind": "set", "key": "controller.delay", "text": "1000 sample"},
+    ],
+    ids=["error", "delay"],
+)
+def test_a_delay_that_a_page_would_wait_for_is_told(session, message):
+    shown = told(session, message)
+    assert re.search("samples.*expected 250 at most.*jounce survey", shown["problem"]["text"])
+    assert shown["numbers"]["stable"] is True
