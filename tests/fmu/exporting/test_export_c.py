@@ -6,6 +6,7 @@ import subprocess
 import sys
 from functools import cache
 from importlib.util import find_spec
+from itertools import product
 
 import control
 import numpy as np
@@ -69,8 +70,9 @@ def test_the_trajectory_is_pythons_to_the_last_bit(compiler):
 
 
 @pytest.mark.skipif(not COMPILERS, reason="neither gcc nor clang")
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("name", ["follower", "filtered_follower"])
+@pytest.mark.parametrize(
+    ("name", "compiler"), some(product(["follower", "filtered_follower"], COMPILERS), 2)
+)
 def test_the_followers_example_is_pythons_to_the_last_bit(name, compiler):
     expected = BLOCKS[name]().run(np.ones(1000)).states
     np.testing.assert_array_equal(compiled(exported(name), compiler), expected)
