@@ -77,8 +77,8 @@ class Session:
 
         "ready" comes between that and what may be left out if there is something newer.
         """
-        yield from self._told
-        self._told = []
+        told, self._told = self._told, []
+        yield from told
         try:
             yield from self._shown()
         except ValueError as error:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from jounce.app import survey_file
 from jounce.app.result_files import save_figure, write_files, write_rows, write_survey
+from jounce.plots import survey as drawn
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ARCSEC = math.pi / 180 / 3600
@@ -35,7 +36,8 @@ def written(telescope, tmp_path_factory) -> Path:
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Save empty pictures, where the picture is not the point."""
+    """Draw nothing and save empty pictures, where the picture is not the point."""
+    monkeypatch.setattr(drawn, "plot_survey", lambda _, figure: figure)
     monkeypatch.setattr(Figure, "savefig", lambda *args, **_: Path(args[1]).write_bytes(b"picture"))
 
 

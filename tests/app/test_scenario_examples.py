@@ -51,10 +51,10 @@ def test_its_loop_is_stable_and_its_moves_settle_within_the_torque_limit(name):
 def test_its_file_is_right_by_the_schema(path):
     if path.name.endswith(".check.toml"):
         return
-    import jsonschema  # which takes seconds to load
+    from jsonschema import Draft202012Validator  # which takes seconds to load
 
     content = tomllib.loads(path.read_text(encoding="utf-8"))
-    jsonschema.validate(content, scenario_schema(content.get("format", 1)))
+    Draft202012Validator(scenario_schema(content.get("format", 1))).validate(content)
 
 
 @pytest.mark.parametrize("name", REAL if SLOW else ["servo_drive", "telescope_azimuth"])

@@ -105,6 +105,12 @@ def test_all_that_can_be_added_to_an_example_can_be_taken_away_again(tmp_path, n
             assert back.content == state.content
 
 
+@pytest.fixture(scope="module")
+def refusing(tmp_path_factory):
+    """Return one session for all messages that change nothing."""
+    return session_of(written(tmp_path_factory.mktemp("refusing")))
+
+
 @pytest.mark.parametrize(
     ("message", "says"),
     [
@@ -117,13 +123,12 @@ def test_all_that_can_be_added_to_an_example_can_be_taken_away_again(tmp_path, n
         ({"kind": "set", "key": "requirements.sensitivity_peak.max", "text": "low"}, "low"),
     ],
 )
-def test_what_cannot_be_asked_is_told_in_one_line(tmp_path, message, says):
-    session = session_of(written(tmp_path))
-    before = session.state
-    text = problem_of(session, message)
+def test_what_cannot_be_asked_is_told_in_one_line(refusing, message, says):
+    before = refusing.state
+    text = problem_of(refusing, message)
     assert says in text
     assert "\n" not in text
-    assert session.state is before
+    assert refusing.state is before
 
 
 def test_a_force_step_is_the_torque_step_of_a_linear_axis(tmp_path):

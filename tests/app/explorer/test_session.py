@@ -25,6 +25,12 @@ def session(path):
     return session_of(path)
 
 
+@pytest.fixture(scope="module")
+def refusing(tmp_path_factory):
+    """Return one session for all messages that change nothing."""
+    return session_of(written(tmp_path_factory.mktemp("refusing")))
+
+
 def of_file(path, **overrides):
     """Return the margins that the gate would have of a file with other values."""
     return loop_margins(servo_loop_of(load_scenario(path, overrides=overrides)))
@@ -139,13 +145,13 @@ def test_a_field_takes_a_number_in_its_unit_or_a_text_with_another(session):
         ({"kind": "set"}, "key"),
     ],
 )
-def test_what_cannot_be_is_told_in_one_line_and_changes_nothing(session, message, says):
-    before = session.state
-    problem = problem_of(session, message)
+def test_what_cannot_be_is_told_in_one_line_and_changes_nothing(refusing, message, says):
+    before = refusing.state
+    problem = problem_of(refusing, message)
     assert says in problem
     assert "\n" not in problem
     assert str(before.path) not in problem
-    assert session.state is before
+    assert refusing.state is before
 
 
 def test_a_link_brings_the_state_back_in_another_session(session, path):
@@ -284,9 +290,9 @@ def test_tuned_gains_are_shown_before_they_are_taken(tmp_path):
 
 
 @pytest.mark.parametrize("bound", ["abc", "", None])
-def test_bounds_that_are_no_numbers_are_told(session, bound):
+def test_bounds_that_are_no_numbers_are_told(refusing, bound):
     message = {"kind": "tune", "max_sensitivity": bound, "max_complementary": 1.6}
-    assert "max_sensitivity = " in problem_of(session, message)
+    assert "max_sensitivity = " in problem_of(refusing, message)
 
 
 def test_bounds_that_no_gains_keep_are_told(tmp_path):

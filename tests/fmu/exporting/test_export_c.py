@@ -6,6 +6,7 @@ import subprocess
 import sys
 from functools import cache
 from importlib.util import find_spec
+from itertools import product
 
 import control
 import numpy as np
@@ -49,7 +50,7 @@ def compiled(where, compiler="gcc", *options):
 
 
 @pytest.mark.skipif(not COMPILERS, reason="neither gcc nor clang")
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", some(NAMES, 8))
 def test_every_block_compiles_without_a_word_and_runs(name):
     compilers = COMPILERS if name in some(NAMES, 4) else COMPILERS[:1]
     rows = [compiled(exported(name), compiler) for compiler in compilers]
@@ -69,8 +70,9 @@ def test_the_trajectory_is_pythons_to_the_last_bit(compiler):
 
 
 @pytest.mark.skipif(not COMPILERS, reason="neither gcc nor clang")
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("name", ["follower", "filtered_follower"])
+@pytest.mark.parametrize(
+    ("name", "compiler"), some(product(["follower", "filtered_follower"], COMPILERS), 2)
+)
 def test_the_followers_example_is_pythons_to_the_last_bit(name, compiler):
     expected = BLOCKS[name]().run(np.ones(1000)).states
     np.testing.assert_array_equal(compiled(exported(name), compiler), expected)

@@ -54,7 +54,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize(("version", "end"), some(product(["2.0", "3.0"], ENDS), 6))
+@pytest.mark.parametrize(("version", "end"), some(product(["2.0", "3.0"], ENDS), 4))
 def test_what_ends_a_step_is_one_error_and_the_rows_are_kept(tmp_path, version, end):
     code, told = ENDS[end]
     path = fmu(tmp_path, bad("bad", LATE + code), version)
