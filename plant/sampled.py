@@ -144,19 +144,15 @@ def loop_behind(
 
 
 def _continuous(system: Any) -> control.StateSpace:
-    try:
-        plant = state_space(system)
-    except ValueError:
-        raise ValueError(
-            "improper transfer function: a held input jumps, and its derivative is a train of "
-            "impulses; add the lag that makes the system proper"
-        ) from None
+    plant = state_space(
+        system,
+        improper="a held input jumps, and its derivative is a train of impulses; add the lag that "
+        "makes the system proper",
+    )
     if plant.isdtime(strict=True):
         raise ValueError(
             f"the system is sampled already, with dt = {shown(plant.dt)}: expected a continuous one"
         )
-    if not all(np.isfinite(part).all() for part in (plant.A, plant.B, plant.C, plant.D)):
-        raise ValueError("the system has coefficients that are nan or inf: expected finite ones")
     return plant
 
 

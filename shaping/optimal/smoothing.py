@@ -30,7 +30,9 @@ def averaging_width(limits: Limits, order: int) -> float:
     """
     below, above = -np.array(limits.lower), np.array(limits.upper)
     size, bounds = max(below[order - 1], above[order - 1]), np.minimum(below, above)[order:]
-    return float((2.0 * (size / bounds) ** (1.0 / np.arange(1, len(bounds) + 1))).max())
+    with np.errstate(divide="ignore"):  # no average is long enough for a bound of zero
+        ratios = size / bounds
+    return float((2.0 * ratios ** (1.0 / np.arange(1, len(bounds) + 1))).max())
 
 
 def averaged_half(move: Trajectory, order: int, width: float) -> Half:

@@ -218,14 +218,13 @@ SPECIAL = [
     "call",
     [
         lambda limits: min_time_moves([1.0], limits),
-        lambda limits: min_time_transfers([0.0], [1.0], limits),
         lambda limits: recursive_s_curve(1.0, limits),
         lambda limits: velocity_transfer(0.0, 1.0, limits),
         lambda limits: CommandFollower(limits, dt=0.1),
         lambda limits: scan_move(1.0, 0.5, limits),
         lambda limits: tracking_transfer(0.0, 1.0, limits),
     ],
-    ids=range(7),
+    ids=range(6),
 )
 def test_what_takes_no_such_bounds_says_so(call, limits):
     with pytest.raises(ValueError, match=r"have a bound .*: only min_time_move and min_time_tr"):
@@ -321,7 +320,7 @@ SQUARE = np.array([[2.0, 3.0], [4.0, 5.0]])
         (0.0, "leave it out where there is none", None),
         ((1.0, 2.0), "leave it out where there is none", None),
     ],
-    ids=range(7),
+    ids=range(6),
 )
 def test_the_remedy_of_a_refused_bound_works(wrong, remedy, right):
     with pytest.raises((TypeError, ValueError), match=f"^jerk limit .*; .*{remedy}") as told:

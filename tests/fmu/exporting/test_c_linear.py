@@ -204,7 +204,7 @@ def test_an_unstable_step_that_overflows_is_refused_and_changes_nothing(tmp_path
     [
         (control.tf([1.0, 0.0, 0.0], [1.0, 1.0]), "improper"),
         (control.ss([[0.5]], [[1.0]], [[1.0]], [[0.0]], True), "dt = True"),
-        (control.ss([[np.nan]], [[1.0]], [[1.0]], [[0.0]]), "not finite"),
+        (control.ss([[np.nan]], [[1.0]], [[1.0]], [[0.0]]), "with nan in it"),
         (control.ss([[0.5]], [[1.0]], [[1.0]], [[0.0]], inputs=["u"], outputs=["u"]), "called u"),
         (control.ss([], [], [], [[1.0]], inputs=["time"], outputs=["y"]), "called time"),
         (control.ss(-np.eye(201), np.ones((201, 1)), np.ones((1, 201)), 0.0), "201 states"),
