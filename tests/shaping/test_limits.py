@@ -320,7 +320,7 @@ SQUARE = np.array([[2.0, 3.0], [4.0, 5.0]])
         (0.0, "leave it out where there is none", None),
         ((1.0, 2.0), "leave it out where there is none", None),
     ],
-    ids=range(6),
+    ids=range(7),
 )
 def test_the_remedy_of_a_refused_bound_works(wrong, remedy, right):
     with pytest.raises((TypeError, ValueError), match=f"^jerk limit .*; .*{remedy}") as told:
