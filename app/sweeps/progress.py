@@ -14,7 +14,7 @@ def shown_progress(total: int, done: int, asked: bool | None) -> Iterator[Callab
     """Yield what is called with each number of further points done."""
     if not (_is_watched() if asked is None else asked):
         yield lambda _: None
-    elif "ipykernel" in sys.modules:
+    elif _in_kernel():
         yield _in_notebook(total, done)
     else:
         with _in_terminal(total, done) as advance:
@@ -70,4 +70,10 @@ def _in_terminal(total: int, done: int) -> Iterator[Callable[[int], None]]:
 
 
 def _is_watched() -> bool:
-    return sys.stderr.isatty() or "ipykernel" in sys.modules
+    return sys.stderr.isatty() or _in_kernel()
+
+
+def _in_kernel() -> bool:
+    """Tell whether a notebook's kernel runs this: ipykernel may be imported where none does."""
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")

@@ -91,9 +91,12 @@ def test_margins_are_worked_out_in_one_thread_where_nothing_else_is_asked(
 @pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT")
 def test_ctrl_c_ends_it_without_a_word(tmp_path):
     pytest.importorskip("websockets")
-    command = ["from jounce.app.command_line import main; main()", "explore", "--no-browser"]
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from jounce.app.command_line import main; main()"  # a shell's background ignores it
+    )
     with subprocess.Popen(
-        [sys.executable, "-c", *command, written(tmp_path)],
+        [sys.executable, "-c", code, "explore", "--no-browser", written(tmp_path)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -445,12 +445,17 @@ def test_a_notebook_shows_rate_and_time_left_in_one_line(monkeypatch):
     shown, clock = [], iter([0.0, 2.0, 4.0])
     line = SimpleNamespace(update=lambda data, **_: shown.append(data["text/plain"]))
     told = SimpleNamespace(display=lambda data, **_: shown.append(data["text/plain"]) or line)
-    monkeypatch.setitem(sys.modules, "ipykernel", SimpleNamespace())
+    shell = SimpleNamespace(kernel="a notebook's")
+    ipython = SimpleNamespace(get_ipython=lambda: shell, display=told)
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
     monkeypatch.setitem(sys.modules, "IPython.display", told)
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
     with progress.shown_progress(100, 20, None) as advance:
         advance(20)
         advance(60)
+    del shell.kernel  # a shell of its own: no notebook
+    with progress.shown_progress(100, 20, None) as advance:
+        advance(80)
     assert shown == [
         "20 of 100 points",
         "40 of 100 points, 10 points/s, 6 s left",
