@@ -68,6 +68,6 @@ def export_c_command(
 
         print_json({"folder": made.folder, "files": made.files, "notes": notes})
         return
-    print_parts(*(f"with {text}" for text in read.overrides))
+    print_parts(*read.overrides_told)
     print_parts(f"Wrote {made.folder}: {block.value}, C99, {len(made.files)} files")
     print_parts(*notes)

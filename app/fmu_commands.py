@@ -93,7 +93,7 @@ def export_command(
         print_json(made)
         return
     binaries = ", ".join(made.platforms) or "no binary, sources only"
-    print_parts(*(f"with {text}" for text in read.overrides))
+    print_parts(*read.overrides_told)
     print_parts(f"Wrote {made.path}: {block.value}, FMI {made.fmi_version}, {binaries}")
     print_parts(*made.notes)
 

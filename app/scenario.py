@@ -131,6 +131,11 @@ class Scenario(Told, Frozen):
     requirements: tuple[Requirement, ...] = ()
 
     @property
+    def overrides_told(self) -> tuple[str, ...]:
+        """What stands in place of the file's values, a line each."""
+        return tuple(f"with {text}" for text in self.overrides)
+
+    @property
     def position_scale(self) -> float:
         """SI value, in rad or m, of one `position_unit`."""
         return counted_factor(self.position_unit, self.counted)

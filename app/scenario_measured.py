@@ -23,7 +23,7 @@ class MeasuredScenarioSurvey(MeasuredSurvey):
     @property
     def heading(self) -> tuple[str, ...]:
         """The lines above the tables: the title, and what stands in place of the file's values."""
-        return (self.scenario.title, *(f"with {text}" for text in self.scenario.overrides))
+        return (self.scenario.title, *self.scenario.overrides_told)
 
 
 def measured_loop_of(scenario: Scenario) -> tuple[MeasuredResponse, Any]:

@@ -38,16 +38,7 @@ def survey_data(survey: ScenarioSurvey) -> dict[str, Any]:
         "filter": survey.jerk_filter
         and {"corner_hz": survey.jerk_filter.corner_hz, "order": survey.jerk_filter.order},
         "margins": survey.margins.as_dict(),
-        "design_check": [
-            {
-                "name": check.name,
-                "unit": check.unit,
-                "asked": check.asked,
-                "achieved": _number(check.achieved),
-                "met": check.met,
-            }
-            for check in survey.checks
-        ],
+        "design_check": _design_data(survey),
         "step": {
             "overshoot_percent": step.overshoot_percent,
             "peak_time_s": step.peak_time_s,
@@ -65,20 +56,37 @@ def survey_data(survey: ScenarioSurvey) -> dict[str, Any]:
             }
             for each in survey.tracking
         ],
-        "requirements": [
-            {
-                "name": check.requirement.name,
-                "unit": survey.labels.unit_of(check.requirement.unit)[0],
-                "least": _in_unit(survey, check.requirement.unit, check.requirement.least),
-                "most": _in_unit(survey, check.requirement.unit, check.requirement.most),
-                "achieved": _in_unit(survey, check.requirement.unit, check.achieved),
-                "met": check.met,
-            }
-            for check in survey.requirements
-        ],
+        "requirements": _requirement_data(survey),
         "findings": list(survey.findings),
         "notes": list(survey.notes),
     }
+
+
+def _design_data(survey: ScenarioSurvey) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": check.name,
+            "unit": check.unit,
+            "asked": check.asked,
+            "achieved": _number(check.achieved),
+            "met": check.met,
+        }
+        for check in survey.checks
+    ]
+
+
+def _requirement_data(survey: ScenarioSurvey) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": check.requirement.name,
+            "unit": survey.labels.unit_of(check.requirement.unit)[0],
+            "least": _in_unit(survey, check.requirement.unit, check.requirement.least),
+            "most": _in_unit(survey, check.requirement.unit, check.requirement.most),
+            "achieved": _in_unit(survey, check.requirement.unit, check.achieved),
+            "met": check.met,
+        }
+        for check in survey.requirements
+    ]
 
 
 def _loop_data(survey: ScenarioSurvey) -> dict[str, Any]:

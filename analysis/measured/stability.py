@@ -25,6 +25,9 @@ from .rational_fits import Complex, Real
 
 _MOST_STEP = 0.5 * np.pi
 _MOST_OFF_REAL = 1.0 / 3.0  # of a half turn, of 1 + L at the first line relative to what ran
+_SIGN_DOUBTED = (
+    ": inverted sign, or 360° off? check the channels, or declare integrators and unstable_poles"
+)
 _OFF_SLOPE = 75.0  # degrees that a phase may be off the one of its slope
 _OFF_DECLARED, _LEADS = 135.0, 45.0  # a plant lags behind its integrators, hardly ever leads
 _FAR_BELOW, _POINTS_BELOW = 1e-4, 200  # of the first line: where a controller is looked at
@@ -247,8 +250,7 @@ def _phase_of_plant(grid: LoopGrid, parts: Factored) -> tuple[float, bool] | str
         how = "its slope gives" if declared is None else "those declared give"
         return (
             f"the phase of the plant starts at {phase:+.0f}° where {count} integrators, which "
-            f"{how}, go with {expected:+.0f}°: inverted sign, or 360° off? check the channels, or "
-            "declare integrators and unstable_poles"
+            f"{how}, go with {expected:+.0f}°{_SIGN_DOUBTED}"
         )
     turn = np.degrees(np.unwrap(np.angle(c)))
     start = _off(turn[0] + 90.0 * parts.controller.integrators)
@@ -265,8 +267,7 @@ def _phase_of_loop(grid: LoopGrid, parts: Factored) -> tuple[float, bool] | str:
         if abs(_off(phase - expected)) > _OFF_SLOPE:
             return (
                 f"the phase of L starts at {phase:+.0f}° where its slope of {20.0 * slope:+.0f} dB "
-                f"a decade goes with {expected:+.0f}°: inverted sign, or 360° off? check the "
-                "channels, or declare integrators and unstable_poles"
+                f"a decade goes with {expected:+.0f}°{_SIGN_DOUBTED}"
             )
         return expected, False
     expected = -90.0 * declared

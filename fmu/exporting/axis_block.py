@@ -204,6 +204,18 @@ def event_constants(
     }
 
 
+def delay_constants(axis: Axis, position: float, delay: float, dt: float) -> dict[str, str]:
+    """Return the constants of torques that wait for a computing delay, at most N_WAITING at once.
+
+    What holds the axis at its position acts before the first of them.
+    """
+    return {
+        "OWN_DELAY": repr(delay),
+        "N_WAITING": str(floor(delay / dt) + 2),
+        "HOLDING": repr(at_rest(axis, position)[1]),
+    }
+
+
 def event_tables(axis: Axis, layout: Layout, hybrid: Hybrid) -> dict[str, list[object]]:
     """Return the arrays of events.c."""
     return {

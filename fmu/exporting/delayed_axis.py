@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from math import floor
-
 from ...plant.axis import Axis
 from ...plant.controller import Controller
 from ...plant.core_numbers import fastest, sampled_steps
-from ...plant.layout import at_rest
 from . import units
 from .axis_block import (
     axis_outputs,
     axis_states,
+    delay_constants,
     event_constants,
     event_tables,
     event_work,
@@ -46,7 +44,7 @@ def delayed_axis_block(
     shown = axis_outputs(axis, layout, unit, known, inputs=False)
     variables = [*limit, sample_time_constant(dt), *inputs, acting, *shown, *states]
     steps = sampled_steps(fastest(layout, hybrid), dt, delay)
-    waiting = floor(delay / dt) + 2
+    waiting = delay_constants(axis, position, delay, dt)
     return Block(
         name,
         f"Axis behind a computing delay, {len(states)} states",
@@ -58,12 +56,10 @@ def delayed_axis_block(
             "V_ACTING": "V_U_ACTING",
             "OWN_LIMIT": "s->value[V_TORQUE_LIMIT]" if limit else "INFINITE",
             "SAMPLE_TIME": repr(dt),
-            "OWN_DELAY": repr(delay),
-            "N_WAITING": str(waiting),
-            "HOLDING": repr(at_rest(axis, position)[1]),
-        },
+        }
+        | waiting,
         tables=event_tables(axis, layout, hybrid),
-        memory=4 + waiting,
+        memory=4 + int(waiting["N_WAITING"]),
         work=event_work(layout, hybrid),
         sample_time=dt,
         stop_time=1000 * dt,

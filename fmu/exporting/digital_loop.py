@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil, floor
+from math import ceil
 from typing import Any
 
 from ...plant.core_numbers import fastest, sampled_steps
-from ...plant.layout import at_rest
 from ...plant.servo_loop import ServoLoop
 from ...shaping import Trajectory
 from ...shaping.propagate import check_fed
@@ -14,6 +13,7 @@ from . import units
 from .axis_block import (
     axis_outputs,
     axis_states,
+    delay_constants,
     event_constants,
     event_tables,
     event_work,
@@ -63,11 +63,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
     start = float(trajectory.start_state[0])
     parameters, memory = tunables(digital, unit), memory_of(digital, unit)
     states = axis_states(axis, unit, start)
-    torque = units.effort(unit)
-    inputs = [
-        signal("d", "Torque that disturbs the motor, held during each step", torque),
-        signal("d_load", "Torque that disturbs the load, held during each step", torque),
-    ]
+    inputs = _disturbances(unit)
     known = [own.name for own in (*inputs, *states)]
     variables: list[Variable] = [
         *parameters,
@@ -81,7 +77,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
     seen = axis.dynamics.motor if axis.sensor == "motor" else axis.dynamics.load
     moved = axis.dynamics.load if axis.sensor == "load" else axis.dynamics.motor
     steps = sampled_steps(fastest(layout, hybrid), dt, delay)
-    waiting = floor(delay / dt) + 2
+    waiting = delay_constants(axis, start, delay, dt)
     return Block(
         name,
         "Servo loop: planned motion, digital controller, axis",
@@ -92,11 +88,9 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
         | {key: motion.constants[key] for key in ("ORDER", "N_PIECES")}
         | {
             "V_ACTING": "V_U",
-            "OWN_DELAY": repr(delay),
             "OWN_LEAD": repr(digital.feedforward.lead),
-            "N_WAITING": str(waiting),
-            "HOLDING": repr(at_rest(axis, start)[1]),
         }
+        | waiting
         | ({} if dynamics is None else inverse_constants(dynamics, trajectory)),
         tables={
             **motion.tables,
@@ -106,7 +100,7 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
             "moved_row": table_rows(layout.row(moved)),
         }
         | ({} if dynamics is None else inverse_tables(dynamics, trajectory)),
-        memory=4 + waiting,
+        memory=4 + int(waiting["N_WAITING"]),
         work=event_work(layout, hybrid),
         sample_time=dt,
         start_time=motion.start_time,
@@ -114,6 +108,14 @@ def digital_loop_block(trajectory: Trajectory, loop: ServoLoop, name: str, unit:
         step=dt,
         notes=(_TIMING,),
     )
+
+
+def _disturbances(unit: str) -> list[Variable]:
+    torque = units.effort(unit)
+    return [
+        signal("d", "Torque that disturbs the motor, held during each step", torque),
+        signal("d_load", "Torque that disturbs the load, held during each step", torque),
+    ]
 
 
 def _shown(unit: str, known: list[str]) -> list[Variable]:

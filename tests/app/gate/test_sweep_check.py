@@ -29,6 +29,14 @@ def check(files, run, monkeypatch):
     return lambda *more: run("check", files[0], "--sweep", files[1], *more)
 
 
+def failed(check):
+    """Return the report of a check that fails, and its numbers by name."""
+    status, out, _ = check("--json")
+    assert status == 1
+    [report] = json.loads(out)
+    return report, {row["name"]: row for row in report["numbers"]}
+
+
 def test_a_stored_sweep_passes_and_its_numbers_are_those_of_the_sweep(files, check):
     status, out, errors = check()
     assert (status, out) == (2, "")
@@ -50,10 +58,7 @@ def test_a_worse_plant_fails_with_what_was_is_and_may_be(files, check):
     check("--update")
     axis = files[0].read_text(encoding="utf-8")
     files[0].write_text(axis.replace("45 deg", "38 deg"), encoding="utf-8")
-    status, out, _ = check("--json")
-    assert status == 1
-    [report] = json.loads(out)
-    rows = {row["name"]: row for row in report["numbers"]}
+    _, rows = failed(check)
     assert rows["worst.phase_margin"]["verdict"] == "worse"
     assert rows["worst.phase_margin"]["now"] < rows["worst.phase_margin"]["was"]
     assert rows["worst.phase_margin"]["least"] == pytest.approx(
@@ -69,10 +74,7 @@ def test_points_that_fail_are_counted_and_what_varies_must_be_as_it_was(files, c
     check("--update")
     text = files[1].read_text(encoding="utf-8")
     files[1].write_text(text.replace("2.4 kg m^2", "1000 kg m^2"), encoding="utf-8")
-    status, out, _ = check("--json")
-    assert status == 1
-    [report] = json.loads(out)
-    rows = {row["name"]: row for row in report["numbers"]}
+    report, rows = failed(check)
     assert (rows["sweep.failed_points"]["was"], rows["sweep.failed_points"]["now"]) == (0.0, 1.0)
     assert rows["sweep.failed_points"]["verdict"] == "worse"
     [change] = report["changes"]
@@ -84,9 +86,7 @@ def test_bounds_of_a_check_file_count_and_bad_input_is_told(files, check, tmp_pa
         "baseline = false\nyield_percent = { min = 99 }\n[worst]\nmodulus_margin = { min = 0.1 }"
     )
     (tmp_path / "spread.check.toml").write_text(bounds, encoding="utf-8")
-    status, out, _ = check("--json")
-    assert status == 1
-    verdicts = {row["name"]: row["verdict"] for row in json.loads(out)[0]["numbers"]}
+    verdicts = {name: row["verdict"] for name, row in failed(check)[1].items()}
     assert verdicts["sweep.yield_percent"] == "outside"
     assert verdicts["worst.modulus_margin"] == "within"
     for more, told in (
