@@ -281,7 +281,7 @@ def _by_whole(move: Trajectory, limits: Limits, rtol: float, rests: bool) -> Pro
             plan = planned(*states, limits)
         else:
             plan = planned(*states, truncated(limits, order), effort=effort.left)
-            effort = plan.search.effort
+            effort = Effort(plan.search.effort.left)
         found = _refined(move.duration, plan, rtol, effort)
         if best is None or found.lower_bound > best.lower_bound:
             best = Proven(found.lower_bound, found.sensitivities, found.slopes, found.proof)

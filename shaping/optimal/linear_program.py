@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..pieces import FloatArray
 
@@ -154,6 +155,17 @@ def loaded(
         np.zeros(matrix.shape[1], dtype=np.int32),
     )
     return highs
+
+
+def begin(highs: Any, high: NDArray[np.bool_], rows: int) -> None:
+    """Let HiGHS begin with each column at its lower or upper bound, whatever the rows are then."""
+    import highspy
+
+    status = highspy.HighsBasisStatus
+    basis = highspy.HighsBasis()
+    basis.col_status = [status.kUpper if up else status.kLower for up in high.tolist()]
+    basis.row_status = [status.kBasic] * rows
+    highs.setBasis(basis)
 
 
 def run(highs: Any) -> None:

@@ -58,12 +58,12 @@ def dead_end(problem: WholeProblem, longest: float, effort: Effort) -> DeadEnd |
     return None
 
 
-def kept_until(problem: WholeProblem, dead: DeadEnd) -> float:
+def kept_until(problem: WholeProblem, dead: DeadEnd, effort: Effort) -> float:
     """Return about how long a motion from a dead end can keep the bounds.
 
     By Newton's method from above: multipliers exclude down to a root of their polynomial.
     """
-    leaving = _Leaving(problem.reversed() if dead.backwards else problem, Effort())
+    leaving = _Leaving(problem.reversed() if dead.backwards else problem, effort)
     time = dead.time
     multipliers: Multipliers | None = dead.multipliers
     for _ in range(_STEPS):

@@ -76,6 +76,8 @@ class Elastic:
         Of the highest derivative's bounds: what they are tightened by.
     effort : Effort, optional
         What may be spent on it.
+    high : (N,) array of bool, optional
+        The inputs at their upper bounds, where the solver begins; all others are at their lower.
     """
 
     def __init__(
@@ -89,6 +91,7 @@ class Elastic:
         free: bool = False,
         shrink: float = 0.0,
         effort: Effort | None = None,
+        high: NDArray[np.bool_] | None = None,
     ) -> None:
         n = problem.order
         self._way = np.zeros(len(rows.derivative))
@@ -116,7 +119,9 @@ class Elastic:
         self._costs = np.concatenate([np.zeros(count), costs])
         self._count = count
         used = np.concatenate([np.ones(len(fixed), dtype=bool), near])
-        self._program = WarmProgram(matrix, self._costs, used, effort)
+        if high is not None:
+            high = np.append(high, np.zeros(len(costs), dtype=bool))
+        self._program = WarmProgram(matrix, self._costs, used, effort, high=high)
         self._path = inputs[self._fixed :]
 
     def solve(self, time: float) -> Found | None:

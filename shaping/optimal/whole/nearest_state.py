@@ -11,7 +11,7 @@ from .maps import node_states
 from .problem import WholeProblem
 from .restriction import hull_rows
 from .sampled import first_sizes
-from .warm_program import WarmProgram
+from .warm_program import Effort, WarmProgram
 
 _CELLS = 48
 _GRADED = 2.0  # cells are short where the motion begins
@@ -23,7 +23,9 @@ _HARDLY = 0.01  # less, relative: then a longer time is of no use
 _NOTHING = 1e-7  # of its size: a value that is zero
 
 
-def nearest_starts(problem: WholeProblem, time: float) -> Iterator[tuple[int, float]]:
+def nearest_starts(
+    problem: WholeProblem, time: float, effort: Effort
+) -> Iterator[tuple[int, float]]:
     """Yield numbers of starts from which a motion comes to rest within the bounds, nearest first.
 
     Each is a derivative and the value that it can have there, all others being as they are; near
@@ -39,7 +41,8 @@ def nearest_starts(problem: WholeProblem, time: float) -> Iterator[tuple[int, fl
     found: list[tuple[float, int, float]] = []
     free = not np.isfinite([problem.lower[0], problem.upper[0]]).any()
     for k in range(int(free), problem.order):
-        change = _least_change(problem, k, [time * longer for longer in _LONGER], onto=False)
+        times = [time * longer for longer in _LONGER]
+        change = _least_change(problem, k, times, effort, onto=False)
         if change < inf:
             size = abs(float(problem.start[k])) + abs(change)
             share = abs(change) / min(float(problem.upper[k] - problem.lower[k]), 4.0 * size)
@@ -48,15 +51,15 @@ def nearest_starts(problem: WholeProblem, time: float) -> Iterator[tuple[int, fl
         yield k, value
 
 
-def nearest_end(problem: WholeProblem, derivative: int) -> float | None:
+def nearest_end(problem: WholeProblem, derivative: int, effort: Effort) -> float | None:
     """Return the nearest value of a derivative at the end to which a motion leads; None if none."""
     seen = problem.reversed()
-    change = _least_change(seen, derivative, _ANY, onto=True)
+    change = _least_change(seen, derivative, _ANY, effort, onto=True)
     sign = -1.0 if derivative % 2 else 1.0
     return None if change == inf else sign * _changed(seen, derivative, change)
 
 
-def comes_to_rest(problem: WholeProblem) -> bool:
+def comes_to_rest(problem: WholeProblem, effort: Effort) -> bool:
     """Tell whether a motion is found from the start to rest within the bounds, in about unit time.
 
     That none is found proves nothing.
@@ -65,7 +68,7 @@ def comes_to_rest(problem: WholeProblem) -> bool:
         return True
     highest, most = problem.order - 1, float(problem.upper[-1] - problem.lower[-1])
     return any(
-        abs(_change(problem, highest, time, onto=False)) <= _NOTHING * most * time
+        abs(_change(problem, highest, time, effort, onto=False)) <= _NOTHING * most * time
         for time in _TRIED
     )
 
@@ -77,18 +80,20 @@ def _changed(problem: WholeProblem, derivative: int, change: float) -> float:
 
 
 def _least_change(
-    problem: WholeProblem, derivative: int, times: Iterable[float], *, onto: bool
+    problem: WholeProblem, derivative: int, times: Iterable[float], effort: Effort, *, onto: bool
 ) -> float:
     least = inf
     for time in times:
-        last, change = least, _change(problem, derivative, time, onto=onto)
+        last, change = least, _change(problem, derivative, time, effort, onto=onto)
         least = min(least, change, key=abs)
         if least < inf and abs(least) > (1.0 - _HARDLY) * abs(last):
             break
     return least
 
 
-def _change(problem: WholeProblem, derivative: int, time: float, *, onto: bool) -> float:
+def _change(
+    problem: WholeProblem, derivative: int, time: float, effort: Effort, *, onto: bool
+) -> float:
     """Return the least change of a derivative at the start; infinite where there is none.
 
     minimise |e|   subject to   x^(k)(0) = a_k + e for this k, all bounds, and at the end rest
@@ -115,9 +120,8 @@ def _change(problem: WholeProblem, derivative: int, time: float, *, onto: bool) 
         np.full(_CELLS, side[n] * powers[n] / sizes[n] * (1.0 - _SHRINK))
         for side in (problem.lower, problem.upper)
     )
-    program = WarmProgram(
-        matrix, np.append(np.zeros(_CELLS), [1.0, 1.0]), np.ones(len(matrix), dtype=bool)
-    )
+    costs, every = np.append(np.zeros(_CELLS), [1.0, 1.0]), np.ones(len(matrix), dtype=bool)
+    program = WarmProgram(matrix, costs, every, effort)
     optimum = program.solve(lower, upper, np.append(least, [0.0, 0.0]), np.append(most, [inf, inf]))
     if optimum is None:
         return inf

@@ -25,6 +25,7 @@ from .planner import (
     roughly_planned,
 )
 from .problem import WholeProblem
+from .warm_program import EFFORT, Effort
 
 
 class _Bounded(Protocol):
@@ -33,6 +34,7 @@ class _Bounded(Protocol):
 
 
 _NOTABLE = 0.05  # of the largest contribution to a proof: a bound that it rests on
+_TO_TELL = 0.5 * EFFORT  # for the nearest state with a motion
 
 
 def check_whole(limits: Limits) -> None:
@@ -151,11 +153,13 @@ def impossible(plan: Plan) -> InfeasibleError:
     return InfeasibleError(later, derivative_name(k))
 
 
+@np.errstate(all="ignore")
 def _no_way(plan: Plan, bound: tuple[int, int], wrong: int) -> Reason:
     """Return the reason where the end cannot be reached: a derivative of it that is wrong."""
     k, sign = bound
-    value = nearest_end(plan.search.problem, wrong)
-    nearest = None if value is None else _working(plan, "end", wrong, value)
+    effort = Effort(_TO_TELL)
+    value = nearest_end(plan.search.problem, wrong, effort)
+    nearest = None if value is None else _working(plan, "end", wrong, value, effort=effort)
     other = derivative_name(wrong)
     end = f"choose another {other} at the end"
     if nearest is not None:
@@ -168,10 +172,12 @@ def _no_way(plan: Plan, bound: tuple[int, int], wrong: int) -> Reason:
     )
 
 
+@np.errstate(all="ignore")
 def _not_found(plan: Plan) -> Reason:
     """Return what is told where neither a motion nor a proof of none was found."""
-    value = nearest_end(plan.search.problem, 0)
-    nearest = None if value is None else _working(plan, "end", 0, value)
+    effort = Effort(_TO_TELL)
+    value = nearest_end(plan.search.problem, 0, effort)
+    nearest = None if value is None else _working(plan, "end", 0, value, effort=effort)
     remedy = "move the states away from their bounds"
     if nearest is not None:
         remedy = f"end with position = {nearest[0]!r}, the nearest that was found"
@@ -182,19 +188,20 @@ def _not_found(plan: Plan) -> Reason:
     )
 
 
+@np.errstate(all="ignore")
 def _of_dead_end(plan: Plan, bound: tuple[int, int], dead: DeadEnd) -> Reason:
     """Return the reason where the start or the end is a dead end."""
-    k, sign = bound
+    (k, sign), effort = bound, Effort(_TO_TELL)
     name, highest = derivative_name(k), derivative_name(plan.problem.order)
-    time = ldexp(kept_until(plan.search.problem, dead), plan.time)
+    time = ldexp(kept_until(plan.search.problem, dead, effort), plan.time)
     side, when, verb = (
         ("end", "before it", "leads to") if dead.backwards else ("start", "after it", "leaves")
     )
     seen = plan.search.problem.reversed() if dead.backwards else plan.search.problem
     remedy, nearest = "choose smaller derivatives there", None
-    for derivative, value in nearest_starts(seen, dead.time):
+    for derivative, value in nearest_starts(seen, dead.time, effort):
         sign_there = -1.0 if dead.backwards and derivative % 2 else 1.0
-        nearest = _working(plan, side, derivative, sign_there * value)
+        nearest = _working(plan, side, derivative, sign_there * value, effort=effort)
         if nearest is not None:
             named = f"{derivative_name(derivative)} = {nearest[0]!r}"
             remedy = f"{side} with {named}, the nearest that was found"
@@ -214,7 +221,9 @@ def _attributes(
     return value, time, state
 
 
-def _working(plan: Plan, side: str, derivative: int, own: float) -> tuple[float, Numbers] | None:
+def _working(
+    plan: Plan, side: str, derivative: int, own: float, *, effort: Effort
+) -> tuple[float, Numbers] | None:
     """Return a value in the caller's units and the state with it, if there is a motion then."""
     value = float(f"{plan.told_value(derivative, own):.6g}")
     state = np.array(plan.problem.end if side == "end" else plan.problem.start)
@@ -223,10 +232,10 @@ def _working(plan: Plan, side: str, derivative: int, own: float) -> tuple[float,
         replace(plan.problem, end=state) if side == "end" else replace(plan.problem, start=state)
     )
     numbers = tuple(map(float, state))
-    return (value, numbers) if _has_motion(plan, problem, side) else None
+    return (value, numbers) if _has_motion(plan, problem, side, effort) else None
 
 
-def _has_motion(plan: Plan, problem: WholeProblem, mended: str) -> bool:
+def _has_motion(plan: Plan, problem: WholeProblem, mended: str, effort: Effort) -> bool:
     """Tell whether a problem with a start or end from which rest can be reached has a motion.
 
     Between states of rest there is one where no bound is zero on a side.
@@ -236,9 +245,9 @@ def _has_motion(plan: Plan, problem: WholeProblem, mended: str) -> bool:
     own = problem.scaled(plan.length, plan.time)
     other = own if mended == "end" else own.reversed()
     both_ways = not (problem.lower[1:] * problem.upper[1:] == 0.0).any()
-    if both_ways and comes_to_rest(other):
+    if both_ways and comes_to_rest(other, effort):
         return True
-    found = roughly_planned(problem)
+    found = roughly_planned(problem, effort)
     return not found.impossible and found.search.best is not None
 
 

@@ -33,7 +33,6 @@ ROUGHLY_RTOL = 0.5
 
 _FIRST_ROUNDS = 4
 _LITTLE = 0.1  # of the effort, where only a motion is sought
-_HIGH, _MORE = 7, 2.0  # orders from there on may take twice as much
 
 HIGHEST_ORDER = 10
 """Highest order that is planned over the whole horizon."""
@@ -145,20 +144,27 @@ def planned(
     limits: Limits,
     rtol: float = DEFAULT_RTOL,
     *,
-    effort: float = EFFORT,
+    effort: float | None = None,
 ) -> Plan:
     """Return a plan between two states, those of order n with n numbers each."""
     lower, upper = (
         (side, *sides)
         for side, sides in zip(limits.position, (limits.lower, limits.upper), strict=True)
     )
-    return _planned(start, end, lower, upper, rtol, effort)
+    most = Effort.of(limits.order).left if effort is None else effort
+    return _planned(start, end, lower, upper, rtol, most)
 
 
-def roughly_planned(problem: WholeProblem) -> Plan:
-    """Return a plan of a problem whose numbers are the caller's, near its minimum or not."""
+def roughly_planned(problem: WholeProblem, effort: Effort) -> Plan:
+    """Return a plan of a problem whose numbers are the caller's, near its minimum or not.
+
+    What it takes counts in any case, whether it was made before or not.
+    """
     numbers = (tuple(map(float, side)) for side in vars(problem).values())
-    return _planned(*numbers, ROUGHLY_RTOL, _LITTLE)
+    most = min(_LITTLE * EFFORT, effort.left)
+    plan = _planned(*numbers, ROUGHLY_RTOL, most)
+    effort.left -= most - plan.search.effort.left
+    return plan
 
 
 @lru_cache(maxsize=32)
@@ -168,7 +174,7 @@ def _planned(
     lower: Numbers,
     upper: Numbers,
     rtol: float,
-    share: float = 1.0,
+    effort: float,
 ) -> Plan:
     problem = WholeProblem(*(np.array(numbers) for numbers in (start, end, lower, upper)))
     with np.errstate(all="ignore"):
@@ -181,7 +187,6 @@ def _planned(
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         search = Search(inner)
-        effort = share * EFFORT * (_MORE if problem.order >= _HIGH else 1.0)
         _run(search, rtol, Effort(effort))
     return Plan(problem, search, length, time)
 

@@ -39,6 +39,12 @@ class Sampled:
         at = np.searchsorted(self.nodes, middles, side="right") - 1
         return self.inputs[np.clip(at, 0, len(self.inputs) - 1)]
 
+    def switched_on(self, nodes: FloatArray, problem: WholeProblem) -> NDArray[np.bool_]:
+        """Return bang-bang inputs on another grid, True for the upper bound: sums stay the same."""
+        lower, upper = problem.lower[-1], problem.upper[-1]
+        shares = (self.on(nodes) / self.time**problem.order - lower) / (upper - lower)
+        return np.diff(np.floor(np.cumsum(np.clip(shares, 0.0, 1.0)) + 0.5), prepend=0.0) > 0.0
+
     def states(self, problem: WholeProblem) -> FloatArray:
         """Return z_k at the nodes, k = 0 … n − 1, shape (n, N + 1)."""
         n, h = problem.order, np.diff(self.nodes)

@@ -193,8 +193,11 @@ class Search:
     def _relaxed_program(self, maps: FloatArray, parts: int) -> RelaxedProgram:
         problem, edges = self.problem, fine_edges(self.nodes, parts)
         means = MeanRows.make(problem, maps, self.nodes, parts)
-        near = self._near(means.rows, edges)
-        program = Elastic(problem, maps[:, -1], means.rows, self._sizes, near, effort=self.effort)
+        near, guide = self._near(means.rows, edges), self.guide
+        high = None if guide is None else guide.switched_on(edges, problem)
+        program = Elastic(
+            problem, maps[:, -1], means.rows, self._sizes, near, effort=self.effort, high=high
+        )
         return RelaxedProgram(program, means, edges)
 
     def _told_before(self, program: RelaxedProgram) -> Relaxed | None:

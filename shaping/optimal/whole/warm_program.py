@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pieces import FloatArray
-from ..linear_program import loaded, run, set_options
+from ..linear_program import begin, loaded, run, set_options
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
 _ITERATIONS = 6  # per row and column: more were never of use, the simplex method may cycle
 _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
-    {"simplex_scale_strategy": 0},  # rows and inputs are scaled already
+    # rows and inputs are scaled already; exact steepest edges take five times as long as Devex
+    {"simplex_scale_strategy": 0, "simplex_dual_edge_weight_strategy": 1},
     {"simplex_strategy": 4},
     {},
 )
@@ -23,7 +24,9 @@ _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 fo
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
 EFFORT = 5e9
-"""Of one search: five to ten seconds."""
+"""Of one search: about five seconds."""
+
+_HIGH, _MORE = 7, 2.0  # orders from there on may take twice as much
 
 
 @dataclass(eq=False)
@@ -34,6 +37,11 @@ class Effort:
     """
 
     left: float = EFFORT
+
+    @classmethod
+    def of(cls, order: int) -> Effort:
+        """Return what one search at an order may take."""
+        return cls(EFFORT * (_MORE if order >= _HIGH else 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +65,8 @@ class WarmProgram:
         The rows to start with; the others count as soon as they are broken.
     effort : Effort, optional
         With nothing left of it the solver finds none.
+    high : (N,) array of bool, optional
+        The columns that are at their upper bounds where the solver begins.
     """
 
     def __init__(
@@ -65,8 +75,11 @@ class WarmProgram:
         costs: FloatArray,
         used: NDArray[np.bool_],
         effort: Effort | None = None,
+        *,
+        high: NDArray[np.bool_] | None = None,
     ) -> None:
         self.matrix, self.costs = matrix, costs
+        self._high = high
         self._effort = effort or Effort()
         self.rows = np.flatnonzero(used)
         self._highs: Any = None
@@ -155,6 +168,8 @@ class WarmProgram:
             (least, most),
             settings,
         )
+        if self._high is not None:
+            begin(self._highs, self._high, len(self.rows))
 
     def _optimum(self) -> Optimum:
         found = self._highs.getSolution()

@@ -7,6 +7,8 @@ import pytest
 from extreme_problems import KINDS, long_holds, wrong_with
 from whole_problems import random_problem
 
+from jounce.shaping.optimal.whole.nearest_state import nearest_starts
+from jounce.shaping.optimal.whole.planner import planned
 from jounce.shaping.optimal.whole.problem import WholeProblem
 from jounce.shaping.optimal.whole.search import Search
 from jounce.shaping.optimal.whole.warm_program import Effort, WarmProgram
@@ -47,6 +49,31 @@ def test_a_search_ends_when_its_effort_is_spent():
     assert ended.rounds == 1
     assert ended.gap > 1e-4
     assert ended.lower <= search.best.time
+
+
+def test_a_plan_takes_no_more_than_the_effort_it_is_given():
+    problem = random_problem(0, 4)
+    plan = planned(problem.start, problem.end, problem.limits, effort=2e5)
+    assert -1e6 < plan.search.effort.left <= 0.0
+    assert plan.search.gap > 1e-4
+    assert planned(problem.start, problem.end, problem.limits).search.gap <= 1e-4
+
+
+def test_what_is_told_of_a_dead_end_takes_its_effort_only():
+    problem = _whole(random_problem(2, 8))
+    effort = Effort(1e7)
+    assert list(nearest_starts(problem, 0.3, effort)) == []
+    assert -1e7 < effort.left <= 0.0
+
+
+def test_a_motion_is_switched_between_its_bounds_with_the_same_sums():
+    problem = _whole(random_problem(0, 4))
+    search = Search(problem)
+    search.run(1e-2)
+    nodes, low, high = np.linspace(0.0, 1.0, 401), problem.lower[-1], problem.upper[-1]
+    given = search.guide.on(nodes) / search.guide.time**4
+    switched = np.where(search.guide.switched_on(nodes, problem), high, low)
+    assert np.abs(np.cumsum(switched - given)).max() <= 0.5001 * (high - low)
 
 
 def test_a_program_without_effort_has_no_answer():
