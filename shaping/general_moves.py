@@ -6,7 +6,7 @@ from .batches.averages import averaged_move
 from .checks import finite, positive
 from .closed_moves import check_move_limits
 from .limits import Limits, of_one
-from .optimal.long_plan import LongPlan, long_plan
+from .optimal.long_plan import LongPlan, nearer_long_plan
 from .optimal.quick_bounds import least_duration, plain_limits
 from .optimal.smoothing import even_are_symmetric
 from .optimal.whole.lasting import lasting
@@ -79,7 +79,7 @@ def _whole_move(
     if closed is not None and closed.duration <= least * (1.0 + rtol):
         return closed
     try:
-        plan: LongPlan | Plan | None = long_plan(begin, end, limits, rtol=rtol)
+        plan: LongPlan | Plan | None = nearer_long_plan(begin, end, limits, rtol=rtol)
         plan = plan or found_plan(begin, end, limits, rtol=rtol)
     except InfeasibleError:
         if closed is None:

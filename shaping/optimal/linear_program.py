@@ -18,7 +18,7 @@ _TOLERANCE = 1e-9
 _SMALLEST = 1e-12  # coefficients below it are dropped; as HiGHS comes it drops those below 1e-9
 _ITERATIONS = 20  # per column: more were never of use, the simplex method may cycle for ever
 _MOST_ITERATIONS = 5000
-_SECONDS = 10.0  # of one run, a hundred times the usual: with inputs of 1e8 it may never end
+_SECONDS = 20.0  # of one run, a hundred times the usual: with inputs of 1e8 it may never end
 SETTINGS: dict[str, bool | int | float | str] = {
     "output_flag": False,
     "threads": 1,

@@ -9,7 +9,7 @@ from ..rise import spline_divisor, spline_rise, to_trajectory
 from ..trajectory import Trajectory
 from ..transfers.infeasible import InfeasibleError
 from .gentlest import gentlest_move, with_share
-from .long_plan import LongPlan, long_plan
+from .long_plan import LongPlan, long_plan, nearer_long_plan
 from .proof import Numbers
 from .whole.outcome import found_plan
 
@@ -58,7 +58,7 @@ def no_duration(duration: float, reason: str) -> InfeasibleError:
 
 def _fastest(problem: _Problem, less: Limits) -> Trajectory:
     start, end, _ = problem
-    found = long_plan(start, end, less, rtol=_RTOL) or found_plan(start, end, less)
+    found = nearer_long_plan(start, end, less, rtol=_RTOL) or found_plan(start, end, less)
     assert found.trajectory is not None
     return found.trajectory
 

@@ -117,6 +117,17 @@ def long_plan(
     return best
 
 
+def nearer_long_plan(
+    start: Numbers, end: Numbers, limits: Limits, *, rtol: float
+) -> LongPlan | None:
+    """Return `long_plan`; None also where a short search over the whole horizon comes nearer."""
+    plan = long_plan(start, end, limits, rtol=rtol)
+    if plan is None or plan.gap <= rtol:
+        return plan
+    whole = planned(start, end, limits, rtol, effort=_EFFORT)
+    return None if whole.search.gap < plan.gap else plan
+
+
 def _planned(
     start: Numbers,
     end: Numbers,

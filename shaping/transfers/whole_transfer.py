@@ -8,7 +8,7 @@ from ..checks import finite, positive
 from ..endings import ended
 from ..limits import Limits, of_one
 from ..moves import min_time_move
-from ..optimal.long_plan import LongPlan, long_plan
+from ..optimal.long_plan import LongPlan, nearer_long_plan
 from ..optimal.whole.lasting import lasting, next_duration
 from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
 from ..optimal.whole.planner import Plan
@@ -38,7 +38,7 @@ def whole_transfer(
     if not any((*begin[1:], *finish[1:])):
         move = min_time_move(finish[0] - begin[0], limits, start=begin[0], rtol=rtol)
         return Transfer(ended(move, finish), limits)
-    plan: LongPlan | Plan | None = long_plan(begin, finish, limits, rtol=rtol)
+    plan: LongPlan | Plan | None = nearer_long_plan(begin, finish, limits, rtol=rtol)
     plan = plan or found_plan(begin, finish, limits, rtol=rtol)
     motion = plan.trajectory
     assert motion is not None

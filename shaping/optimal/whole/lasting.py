@@ -11,7 +11,7 @@ from ...limits import Limits
 from ...trajectory import Trajectory, point
 from ...transfers.infeasible import InfeasibleError
 from ..long_lasting import long_lasting, no_duration
-from ..long_plan import long_plan
+from ..long_plan import nearer_long_plan
 from ..mesh import apart
 from .least_share import gentlest
 from .outcome import found_plan, impossible
@@ -50,7 +50,7 @@ def lasting(
         return point(start[0], len(start)).until(
             wanted if dt is None else _samples(wanted, dt) * dt
         )
-    long = long_plan(start, end, limits, rtol=rtol)
+    long = nearer_long_plan(start, end, limits, rtol=rtol)
     if long is not None:
         least = long.trajectory.duration if wanted is None else wanted
         last = least if dt is None else _samples(least, dt) * dt

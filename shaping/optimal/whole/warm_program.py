@@ -13,7 +13,8 @@ from ..linear_program import begin, loaded, run, set_options
 
 _BROKEN = 2e-9  # beyond a bound: a row that is added
 _PASSES = 40
-_ITERATIONS = 6  # per row and column: more were never of use, the simplex method may cycle
+_ITERATIONS = 1000, 2  # and per row and column: more were never of use, it may cycle
+_TROUBLE = 4.0  # times as long as others take iterations that come to no end
 _WAYS: tuple[dict[str, bool | int | float | str], ...] = (
     # rows and inputs are scaled already; exact steepest edges take five times as long as Devex
     {"simplex_scale_strategy": 0, "simplex_dual_edge_weight_strategy": 1},
@@ -123,14 +124,19 @@ class WarmProgram:
 
         What multipliers prove is worked out without the solver.
         """
-        size = len(self.rows) * len(self.costs)
-        limit = min(_ITERATIONS * (len(self.rows) + len(self.costs)), 1 + self._effort.left / size)
+        rows, columns = len(self.rows), len(self.costs)
+        size, (some, each) = rows * columns, _ITERATIONS
+        limit = min(some + each * (rows + columns), 1 + self._effort.left / size)
         set_options(self._highs, {"simplex_iteration_limit": int(limit)})
         run(self._highs)
         iterations = self._highs.getInfo().simplex_iteration_count
-        known = iterations >= 0  # not where it fails, which takes longest
-        self._effort.left -= ((iterations if known else limit) + _OVERHEAD) * size
-        return self._ended("kOptimal") or self._ended("kUnknown")
+        well = self._ended("kOptimal") or self._ended("kUnknown")
+        if iterations < 0:
+            iterations = limit  # it broke off
+        elif not well and not self._ended("kInfeasible"):
+            iterations *= _TROUBLE
+        self._effort.left -= (iterations + _OVERHEAD) * size
+        return well
 
     def _ended(self, status: str) -> bool:
         return str(self._highs.getModelStatus()).endswith(status)

@@ -7,6 +7,7 @@ import pytest
 from extreme_problems import KINDS, long_holds, wrong_with
 from whole_problems import random_problem
 
+from jounce.shaping.optimal.long_plan import long_plan
 from jounce.shaping.optimal.whole.nearest_state import nearest_starts
 from jounce.shaping.optimal.whole.planner import planned
 from jounce.shaping.optimal.whole.problem import WholeProblem
@@ -38,6 +39,12 @@ def test_a_long_hold_between_moving_states_is_found_on_a_grid_that_is_fine_at_it
     coarse = Search(search.problem, np.linspace(0.0, 1.0, 17))
     coarse.run(1e-3, rounds=1)
     assert coarse.best is None
+
+
+def test_a_way_hardly_longer_than_its_ramps_is_planned_as_a_whole_where_that_is_nearer():
+    problem = long_holds(19)
+    assert long_plan(problem.start, problem.end, problem.limits, rtol=1e-4).gap > 0.1
+    assert problem.solve().duration < 4.4776
 
 
 def test_a_search_ends_when_its_effort_is_spent():
