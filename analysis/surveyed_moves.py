@@ -16,6 +16,7 @@ from ..shaping import JerkFilter, Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.told import Told
+from ..shaping.warned import warned_of
 from .disturbances import Disturbances
 from .frequency_view import residual_vibration
 from .planned_moves import planned
@@ -23,7 +24,6 @@ from .sampling import clock_for, followed, thinned
 from .specification import Mode, Move
 from .step_response import KEPT
 from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
-from .warned import warned_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
