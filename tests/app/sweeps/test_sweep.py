@@ -144,15 +144,15 @@ def test_whatever_goes_wrong_at_a_point_is_told_there(axis, monkeypatch, wrong):
 def test_margins_that_fail_at_one_point_leave_the_others_theirs(axis, monkeypatch):
     from jounce.analysis.margins import shared_margins
 
-    honest, seen = shared_margins.factored, []
+    honest, seen = shared_margins.without_cancelled, []
 
-    def failing(model):
-        seen.append(model)
+    def failing(loop):
+        seen.append(loop)
         if len(seen) == 2:
             raise FloatingPointError("overflow")
-        return honest(model)
+        return honest(loop)
 
-    monkeypatch.setattr(shared_margins, "factored", failing)
+    monkeypatch.setattr(shared_margins, "without_cancelled", failing)
     found = sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1)
     assert found.failures() == {1: "FloatingPointError: overflow"}
 
