@@ -16,6 +16,7 @@ from .disturbed import (
     error_budget,
     tracking_survey,
 )
+from .early_end import exact_figures
 from .loop_survey import stable_margins
 from .margins.shared_margins import AnyMargins
 from .peak_gain import PeakGain, peak_gain
@@ -24,7 +25,7 @@ from .requirement_checks import figure_of
 from .specification import Move, Requirement
 from .step_response import StepResponse, step_response
 from .surveyed_loop import Poles, decaying_poles
-from .surveyed_moves import MoveSurvey, exact_figures, move_survey, on_a_grid
+from .surveyed_moves import MoveSurvey, move_survey, on_a_grid
 
 
 class _Figures:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from math import inf, log, nan
 from types import MappingProxyType
 from typing import Literal
@@ -17,6 +16,7 @@ from ..shaping import JerkFilter, Trajectory
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.told import Told
+from ..shaping.warned import warned_of
 from .disturbances import Disturbances
 from .frequency_view import residual_vibration
 from .planned_moves import planned
@@ -24,7 +24,6 @@ from .sampling import clock_for, followed, thinned
 from .specification import Mode, Move
 from .step_response import KEPT
 from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
-from .warned import warned_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,10 +161,10 @@ def on_a_grid(loop: ServoLoop, move: Move, jerk_filter: JerkFilter | None) -> bo
 def _exactly(
     name: str, loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
 ) -> MoveResponse:
-    lead, duration = trajectory.duration, _followed(loop, trajectory, move, poles)
+    lead, duration = trajectory.duration, followed_for(loop, trajectory, move, poles)
     times = shown_times(trajectory.start_time, lead, duration)
-    found = _run(loop, trajectory, move, duration, times)
-    figures = {figure: of(found, move, lead) for figure, of in _EXACT.items()}
+    found = run_move(loop, trajectory, move, duration, times)
+    figures = {figure: of(found, move, lead) for figure, of in EXACT_FIGURES.items()}
     return MoveResponse(name, found, **figures, peak_current=_current(loop, figures["peak_torque"]))
 
 
@@ -174,27 +173,16 @@ def _current(loop: ServoLoop, torque: float) -> float:
     return nan if constant is None else torque / (loop.axis.gear_ratio * constant)
 
 
-def exact_figures(
-    loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles
-) -> Callable[[str], float]:
-    """Return what gives each figure of a response, without the times of a picture, when asked."""
-
-    @cache
-    def found() -> LoopResponse:
-        begin, duration = trajectory.start_time, _followed(loop, trajectory, move, poles)
-        return _run(loop, trajectory, move, duration, np.array([begin, begin + duration]))
-
-    return lambda figure: _EXACT[figure](found(), move, trajectory.duration)
-
-
-def _followed(loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles) -> float:
+def followed_for(loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles) -> float:
+    """Return how long a response is followed."""
     acting = move.disturbances or Disturbances()
     return followed_until(loop, poles, _decay(move), max(trajectory.duration, acting.until))
 
 
-def _run(
+def run_move(
     loop: ServoLoop, trajectory: Trajectory, move: Move, duration: float, times: FloatArray
 ) -> LoopResponse:
+    """Return the response to a move and what acts meanwhile, shown at times."""
     acting = move.disturbances or Disturbances()
     return loop.respond(trajectory, duration=duration, times=times, **acting.acting(loop, duration))
 
@@ -221,7 +209,7 @@ def _next_breakaway(found: LoopResponse) -> float:
     return nan if found.run.scene.axis.friction is None else found.next_breakaway
 
 
-_EXACT: Mapping[str, Callable[[LoopResponse, Move, float], float]] = {
+EXACT_FIGURES: Mapping[str, Callable[[LoopResponse, Move, float], float]] = {
     "settling_time_s": lambda found, move, _: _settling(found, move, "position"),
     "peak_error": lambda found, *_: found.peak_error,
     "peak_torque": lambda found, *_: peak_torque(found),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -11,7 +10,6 @@ from typing import Any
 
 from ..analysis.measured import MeasuredResponse
 from ..analysis.tuning import tune_pid
-from ..analysis.warned import warned_of
 from ..plant import (
     PID,
     Axis,
@@ -30,8 +28,10 @@ from ..plant import (
     inverse_feedforward,
     low_frequency_feedforward,
 )
+from ..plant.discretise import FilterWarning
 from ..plant.pid import printed_pid
 from ..shaping import JerkFilter
+from ..shaping.warned import untold, warned_of
 from .scenario import Gains, Scenario
 from .scenario_axis import plant_of
 from .scenario_frf import TIME_RESPONSE
@@ -66,7 +66,7 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
         raise ValueError(f"{scenario.path}: plant.frf: {TIME_RESPONSE}; margins need none of it")
     plant = plant_of(scenario)
     controller = controller_of(scenario, plant)
-    with _named(scenario, "feedforward"), filters_told():
+    with _named(scenario, "feedforward"), untold(FilterWarning):  # it is told with its key
         return ServoLoop(plant, controller, feedforward_of(scenario, plant, controller))
 
 
@@ -79,14 +79,6 @@ def _named(scenario: Scenario, key: str) -> Iterator[None]:
         raise ValueError(f"{scenario.path}: {key}: {error}") from None
 
 
-@contextmanager
-def filters_told() -> Iterator[None]:
-    """Leave out what a filter near the Nyquist frequency was warned of by itself, with its key."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".* of the Nyquist frequency of")
-        yield
-
-
 def controller_of(
     scenario: Scenario, plant: Inertia | Axis | MeasuredResponse
 ) -> PID | CascadedPI | Controller:
@@ -95,7 +87,7 @@ def controller_of(
         with _named(scenario, "controller.specification"):
             return _law(scenario, plant, {})
     run = _run(scenario)
-    with filters_told():
+    with untold(FilterWarning):
         return _controller(scenario, plant, run)
 
 

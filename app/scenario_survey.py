@@ -9,10 +9,11 @@ from typing import Any
 
 from ..analysis.loop_survey import Survey, survey
 from ..analysis.unstable_loop import UnstableLoopError
-from ..analysis.warned import warned_of
+from ..plant.discretise import FilterWarning
+from ..shaping.warned import untold, warned_of
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
-from .scenario_loop import filters_told, jerk_filter_of, servo_loop_of
+from .scenario_loop import jerk_filter_of, servo_loop_of
 from .scenario_measured import MeasuredScenarioSurvey, survey_measured
 
 
@@ -76,7 +77,7 @@ def survey_file(
     loop, behind = servo_loop_of(scenario), jerk_filter_of(scenario)
     moves, conditions = moves_of(scenario), survey_conditions(scenario)
     try:
-        with warned_of(str(scenario.path)), filters_told():
+        with warned_of(str(scenario.path)), untold(FilterWarning):
             found = survey(
                 loop,
                 moves,

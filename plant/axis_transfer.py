@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,35 +20,42 @@ def transfer_polynomials(axis: Any, sensor: str | None = None) -> tuple[FloatArr
     The determinants of M·s² + C·s + K and of its minors are taken at points of a circle, which
     give the coefficients to rounding; those that are rounding alone are 0.
     """
+    (numerator,), denominator = numerators_of(axis, (sensor or axis.sensor,))
+    return numerator, denominator
+
+
+def numerators_of(axis: Any, sensors: Sequence[str]) -> tuple[list[FloatArray], FloatArray]:
+    """Return the numerators for some sensors and the denominator that they have in common."""
     if axis.is_system:
         import control
 
         own = control.tf(axis.body.system)
         denominator = own.den_array[0, 0]
-        numerator = _without_rounding(own.num_array[0, 0], denominator)
+        numerators = [_without_rounding(own.num_array[0, 0], denominator)] * len(sensors)
     else:
-        numerator, denominator = _polynomials(axis, sensor or axis.sensor)
-    return numerator, np.polymul([axis.current_lag, 1.0], denominator) if (
-        axis.current_lag
-    ) else denominator
+        numerators, denominator = _polynomials(axis, sensors)
+    if axis.current_lag:
+        denominator = np.polymul([axis.current_lag, 1.0], denominator)
+    return numerators, denominator
 
 
-def _polynomials(axis: Any, sensor: str) -> tuple[FloatArray, FloatArray]:
+def _polynomials(axis: Any, sensors: Sequence[str]) -> tuple[list[FloatArray], FloatArray]:
     m = axis.mechanics
     size = len(m.mass)
     mean = axis.J  # determinants in units of J
     mass, damping, stiffness = m.mass / mean, m.damping / mean, m.stiffness / mean
     unit = _unit(mass, damping, stiffness)
-    row = m.load if sensor != "motor" else np.eye(size)[0]
     s = unit * np.exp(2j * np.pi * np.arange(2 * size + 1) / (2 * size + 1))[:, None, None]
     dynamic = mass * s * s + damping * s + stiffness
-    whole, seen = np.linalg.det(dynamic), _first_cofactors(dynamic) @ row
-    above, below = _coefficients(seen, unit), _coefficients(whole, unit)
+    cofactors, motor = _first_cofactors(dynamic), np.eye(size)[0]
+    seen = [cofactors @ (motor if sensor == "motor" else m.load) for sensor in sensors]
+    below = _coefficients(np.linalg.det(dynamic), unit)
     if not axis.spring:
         below[0] = 0.0
         if not (axis.viscous or axis.load_viscous):
             below[1] = 0.0
-    return np.trim_zeros(above[::-1], "f"), mean * np.trim_zeros(below[::-1], "f")
+    above = [np.trim_zeros(_coefficients(each, unit)[::-1], "f") for each in seen]
+    return above, mean * np.trim_zeros(below[::-1], "f")
 
 
 def _without_rounding(numerator: FloatArray, denominator: FloatArray) -> FloatArray:

@@ -169,8 +169,8 @@ def on_breaks(command: Command, times: FloatArray) -> FloatArray:
     breaks, found = breaks_of(command), times.copy()
     if times.size:
         slack = _ON_BREAK * max(abs(float(times[0])), abs(float(times[-1])), abs(float(breaks[-1])))
-        low = np.searchsorted(times, breaks - slack, side="left").tolist()
-        high = np.searchsorted(times, breaks + slack, side="right").tolist()
-        for first, last, at in zip(low, high, breaks, strict=True):
-            found[first:last] = at
+        low = np.searchsorted(times, breaks - slack, side="left")
+        high = np.searchsorted(times, breaks + slack, side="right")
+        for k in np.flatnonzero(high > low):
+            found[low[k] : high[k]] = breaks[k]
     return found

@@ -171,10 +171,28 @@ class Controller(Frozen):
 
     def sampled_model(self) -> StateModel:
         """Return the numbers of `sampled`."""
+        return self._sampled_model
+
+    @cached_property
+    def _sampled_model(self) -> StateModel:
         whole = _law(self.law, self._dt)
         for row in self.sections:
             whole = _section(row, self._dt).behind(whole)
         return whole
+
+    @cached_property
+    def memory_places(self) -> tuple[Any, FloatArray]:
+        """Where `memory_at_rest` has the states of `sampled_model`, and the sign that they take.
+
+        The model is fed with errors of the position and not with the position's own; of a cascade
+        the motor's rate is that of the position.
+        """
+        law = 1 + np.flatnonzero(_whole_law(self.law, self._dt).C[0])
+        turned = -np.ones(4 + 2 * len(self.sections))
+        if isinstance(self.law, CascadedPI):
+            turned[2:4] = 1.0
+        places = np.append(law, np.arange(4, len(turned)))
+        return places, turned[places]
 
     @property
     def _dt(self) -> float:
@@ -195,10 +213,17 @@ def as_controller(controller: Any) -> Controller:
 
 
 def _law(law: PID | CascadedPI, dt: float) -> StateModel:
-    """Return the sampled law with states I, e_motor before, and the filtered rate before.
+    """Return the sampled law without the states that do nothing.
 
-    Those that do nothing are left out: an integral without gain would count as unstable.
+    An integral without gain would count as unstable.
     """
+    whole = _whole_law(law, dt)
+    used = whole.C[0] != 0.0
+    return StateModel(whole.A[np.ix_(used, used)], whole.B[used], whole.C[:, used], whole.D, dt)
+
+
+def _whole_law(law: PID | CascadedPI, dt: float) -> StateModel:
+    """Return the sampled law with states I, e_motor before, and the filtered rate before."""
     lag = law.derivative_filter if isinstance(law, PID) else law.velocity_filter
     kept, slope = lag / (lag + dt), 1.0 / (lag + dt)
     rate = np.array([0.0, -slope, kept])  # of the states; + slope·e_motor
@@ -213,8 +238,7 @@ def _law(law: PID | CascadedPI, dt: float) -> StateModel:
         b = np.array([dt * within, [0.0, 1.0], [0.0, slope]])
         c = law.velocity_gain * rate[None] + law.integral_gain * a[:1]
         d = (law.velocity_gain + law.integral_gain * dt) * within[None]
-    used = c[0] != 0.0
-    return StateModel(a[np.ix_(used, used)], b[used], c[:, used], d, dt)
+    return StateModel(a, b, c, d, dt)
 
 
 def _section(row: FloatArray, dt: float) -> StateModel:

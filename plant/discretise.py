@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from math import pi, tan
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,6 +10,7 @@ import numpy as np
 
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import rounded_down, shown
+from ..shaping.warned import warn_caller
 from .exact_response import state_space
 from .filters import Filter, LeadLag, LowPass, Notch
 
@@ -24,6 +24,10 @@ Element = Filter | Any
 
 _FAITHFUL: dict[Discretisation, float] = {"tustin": 0.8, "matched": 1.0, "hold": 0.1}
 """Share of the Nyquist frequency to which a sampled notch is about what was asked for."""
+
+
+class FilterWarning(UserWarning):
+    """A filter is so near to the Nyquist frequency that its sampled form is another one."""
 
 
 def checked_filters(
@@ -62,11 +66,11 @@ def _warn_near_nyquist(element: Filter, dt: float, discretisation: Discretisatio
     held = notch and discretisation == "hold"
     does = "passes what it should stop" if held else "is much narrower" if notch else "is distorted"
     other = f"discretisation = {'matched' if share > _FAITHFUL['tustin'] else 'tustin'!r}, or "
-    warnings.warn(
+    warn_caller(
         f"{type(element).__name__} at {hz:g} Hz, {share:.2g} of the Nyquist frequency of "
         f"{0.5 / dt:g} Hz: the sampled one {does}; use {other if notch else ''}"
         f"a sample time up to {rounded_down(0.5 * _FAITHFUL['tustin'] / hz)}",
-        stacklevel=5,
+        FilterWarning,
     )
 
 

@@ -199,10 +199,9 @@ def _terms(gains: FloatArray) -> dict[int, float]:
 
 def _polynomials(axis: Axis) -> _Polynomials:
     """Return D, N_load and N_motor, lowest power first, the lag's factor in D."""
-    from .axis_transfer import transfer_polynomials
+    from .axis_transfer import numerators_of
 
-    load, whole = transfer_polynomials(axis, "load")
-    motor, _ = transfer_polynomials(axis, "motor")
+    (load, motor), whole = numerators_of(axis, ("load", "motor"))
     return whole[::-1], load[::-1], motor[::-1]
 
 

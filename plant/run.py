@@ -99,6 +99,8 @@ class Run:
         Error e, torque asked for w, and the torque u of each sample of a digital controller.
     held : float
         Torque of the controller's integral at the end, before the filters.
+    memory : (4 + 2·m,) array
+        State of a digital controller at the end, as `memory_at_rest` lists it.
     fastest : float
         A bound of the rates, balanced.
     """
@@ -111,6 +113,7 @@ class Run:
     states: FloatArray
     samples: FloatArray
     held: float
+    memory: FloatArray
     fastest: float
 
     @cached_property

@@ -179,6 +179,10 @@ class ServoLoop(Frozen):
 
     def open_model(self) -> Any:
         """Return L as bare numbers with poles, zeros and values, which need no python-control."""
+        return self._open_model
+
+    @cached_property
+    def _open_model(self) -> Any:
         return open_model(self)
 
     def sensitivity_models(self) -> Sensitivity:

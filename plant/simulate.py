@@ -168,7 +168,8 @@ def _run(prepared: _Prepared, segments: FloatArray, status: int) -> Run:
     known = prepared.hybrid, prepared.layout
     summed = float(prepared.memory[1] if prepared.integral is None else z[prepared.integral])
     held = scene.controller.integral_gain * summed
-    return Run(scene, *known, times, modes, states, prepared.samples, held, prepared.norm)
+    taken = prepared.samples, held, prepared.memory, prepared.norm
+    return Run(scene, *known, times, modes, states, *taken)
 
 
 def _gains(scene: Scene) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,6 @@
-"""An axis with a mode, to be swept."""
+"""An axis with a mode, to be swept, what of it varies, and figures that cost little."""
+
+from jounce.app import Uniform
 
 AXIS = """
 format = 2
@@ -24,3 +26,5 @@ settle_to = "0.05 deg"
 [requirements]
 phase_margin = { min = "44 deg" }
 """
+INERTIA = {"plant.inertia": Uniform("1.5 kg m^2", "2500 g m^2")}
+QUICK = ("phase_margin", "crossover")

@@ -11,7 +11,7 @@ import numpy as np
 from ...plant import ServoLoop
 from .bandwidth import bandwidth
 from .factored_loop import Complex, FactoredLoop, Real, is_stable
-from .factoring import factored
+from .factoring import factored_all, tried
 from .many_crossings import OnePieces, pieces_of
 from .many_crossings import stable as stable_by_count
 from .many_gain_and_phase import gain_margins, phase_and_delay
@@ -72,7 +72,9 @@ class SharedLoops:
         first: list[int] = []
         for loop in self._loops:
             first.append(next((k for k in first if _same(self._loops[k], loop)), len(first)))
-        found: dict[int, Any] = {k: _factors(self._loops[k]) for k in set(first)}
+        distinct = sorted(set(first))
+        factors = _factors([self._loops[k] for k in distinct])
+        found: dict[int, Any] = dict(zip(distinct, factors, strict=True))
         kinds: dict[Any, list[int]] = {}
         for k in sorted(found):
             if isinstance(found[k], FactoredLoop):
@@ -86,15 +88,21 @@ def _same(one: ServoLoop, other: ServoLoop) -> bool:
     return bool(one.controller == other.controller and one.plant == other.plant)
 
 
-def _factors(loop: ServoLoop) -> FactoredLoop | LoopMargins | Exception:
-    """Return the factors of an open loop; of one without gain its margins at once."""
-    try:
-        found = without_cancelled(factored(loop.open_model()))
-        return found if found.gain else loop_margins(loop)
-    except MemoryError:
-        raise
-    except Exception as error:
-        return error
+def _factors(loops: Sequence[ServoLoop]) -> list[FactoredLoop | LoopMargins | Exception]:
+    """Return the factors of open loops; of those without gain their margins at once."""
+    found: list[Any] = [tried(ServoLoop.open_model, loop) for loop in loops]
+    known = [k for k, model in enumerate(found) if not isinstance(model, Exception)]
+    for k, factors in zip(known, factored_all([found[k] for k in known]), strict=True):
+        found[k] = factors
+    return [
+        each if isinstance(each, Exception) else tried(_reduced, loop, each)
+        for loop, each in zip(loops, found, strict=True)
+    ]
+
+
+def _reduced(loop: ServoLoop, factors: FactoredLoop) -> FactoredLoop | LoopMargins:
+    found = without_cancelled(factors)
+    return found if found.gain else loop_margins(loop)
 
 
 def _together(
@@ -104,17 +112,8 @@ def _together(
     try:
         group = _Group(list(factors.values()))
     except (ValueError, ArithmeticError):
-        return {k: _alone(loops[k]) for k in factors}
+        return {k: tried(loop_margins, loops[k]) for k in factors}
     return {k: SharedMargins(group, row) for row, k in enumerate(factors)}
-
-
-def _alone(loop: ServoLoop) -> LoopMargins | Exception:
-    try:
-        return loop_margins(loop)
-    except MemoryError:
-        raise
-    except Exception as error:
-        return error
 
 
 class _Group:

@@ -19,6 +19,8 @@ TOUCH_TOLERANCE = 1e-12
 
 _WIDE = 1e4
 _DECADES = 2.0
+_BEYOND = 0.25
+_SHARES = np.linspace(0.1, 0.9, 5)
 
 
 def stationary_points(zeros: Complex, poles: Complex) -> Real:
@@ -55,7 +57,7 @@ def _turning_points(roots: Complex, weights: Complex, constant: float) -> Real:
 
 
 def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
-    """Positive roots x of Σ wᵢ/(x − xᵢ) + c = 0.
+    """Positive roots x of Σ wᵢ/(x − xᵢ) + c = 0, places and weights in conjugate pairs.
 
     With y = 1/(x − q) they are eigenvalues of a diagonal matrix less one of rank one. These are
     accurate for x near the pivot q, so there is a pivot for every few decades of the places.
@@ -67,23 +69,55 @@ def _secular_roots(places: Complex, weights: Complex, constant: float) -> Real:
     if scales.size < 2 or not sizes.size:
         return np.empty(0)
     count = 1 + int((sizes.max() - sizes.min()) / _DECADES)
+    places, weights = _real_and_upper(places, weights)
     with np.errstate(all="ignore"):
-        exponents = np.linspace(sizes.min(), sizes.max(), 2 * count + 1)[1::2]
-        x = _pivoted(places, weights, constant, -np.exp(0.5j) * 10**exponents)
+        edges = np.linspace(sizes.min() - _BEYOND, sizes.max() + _BEYOND, count + 1)
+        x = _pivoted(places, weights, constant, _pivots(places, edges))
         for _ in range(3):
             near = 1 / (x[:, None] - places)
-            step = ((near @ weights + constant) / (near**2 @ weights)).real
+            step = ((near @ weights).real + constant) / ((near**2) @ weights).real
             x = x + step
         # Newton's step stays large beside roots at infinity and poles at the origin.
         x = np.sort(x[(x > 0) & np.isfinite(x) & (abs(step) <= 1e-3 * x)])
     return x[np.diff(x, prepend=0.0) > 1e-9 * x]
 
 
-def _pivoted(places: Complex, weights: Complex, constant: float, pivots: Complex) -> Real:
-    diagonal = 1 / (places - pivots[:, None])
-    total = diagonal @ weights - constant
-    pivots, diagonal, total = (part[total != 0] for part in (pivots, diagonal, total))
-    ranks_one = weights * diagonal**2 / total[:, None]
-    matrices = np.eye(places.size) * diagonal[:, :, None] - ranks_one[:, None, :]
-    inverse = np.linalg.eigvals(matrices)
-    return np.asarray((pivots[:, None] + 1 / inverse).real.ravel())
+def _real_and_upper(places: Complex, weights: Complex) -> tuple[Complex, Complex]:
+    """Return real places, each once, then the upper ones of pairs, weighed for both of a pair."""
+    on_axis, above = places.imag == 0.0, places.imag > 0.0
+    real, which = np.unique(places[on_axis].real, return_inverse=True)
+    total = np.bincount(which, weights[on_axis].real, len(real))
+    counts = total != 0.0
+    places = np.concatenate([real[counts], places[above]])
+    return places, np.concatenate([total[counts], 2.0 * weights[above]])
+
+
+def _pivots(places: Complex, edges: Real) -> Real:
+    """Return negative numbers, one of a size between two edges, each far from all places."""
+    sizes = edges[:-1, None] + np.diff(edges)[:, None] * _SHARES
+    tried = -(10**sizes)
+    apart = abs(places / tried[..., None] - 1.0).min(axis=2, initial=np.inf)
+    return np.take_along_axis(tried, apart.argmax(axis=1)[:, None], axis=1)[:, 0]
+
+
+def _pivoted(places: Complex, weights: Complex, constant: float, pivots: Real) -> Real:
+    """Return q + 1/y for all eigenvalues y of all pivots; a pair of places is a block of two rows.
+
+    Of d ± j·b it is [[d, b], [−b, d]], and of the matrix of rank one it has a single row.
+    """
+    inverse = 1 / (places - pivots[:, None])
+    total = (inverse @ weights).real - constant
+    pivots, inverse, total = (part[total != 0] for part in (pivots, inverse, total))
+    pull = weights * inverse**2 / total[:, None]
+    pairs = int(np.count_nonzero(places.imag))
+    size, first = places.size + pairs, places.size - pairs
+    upper, lower = first + np.arange(pairs), places.size + np.arange(pairs)
+    row = np.concatenate([pull.real, pull.imag[:, first:]], axis=1)
+    matrices = np.zeros((len(pivots), size, size))
+    matrices[:, : places.size] = -row[:, None]
+    whole = np.concatenate([inverse.real, inverse.real[:, first:]], axis=1)
+    matrices[:, np.arange(size), np.arange(size)] += whole
+    matrices[:, upper, lower] += inverse.imag[:, first:]
+    matrices[:, lower, upper] -= inverse.imag[:, first:]
+    found = np.linalg.eigvals(matrices)
+    return np.asarray((pivots[:, None] + 1 / found).real.ravel())

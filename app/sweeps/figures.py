@@ -14,9 +14,10 @@ from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
 from ...plant import PID, as_controller
+from ...shaping.warned import untold
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
-from ..scenario_loop import filters_told, jerk_filter_of, servo_loop_of
+from ..scenario_loop import jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
 
 _MOST_DESIGNS = 1024  # that are kept
@@ -52,7 +53,7 @@ class Problem:
         """Return the scenario at a point."""
         return self.with_overrides(self.overrides(values))
 
-    @filters_told()  # by the first point, which `refuse_missing` has worked out
+    @untold()  # what the first point is warned of, `refuse_missing` has told
     def prepared(self, points: Sequence[Sequence[object]]) -> Problem:
         """Return one that works these points out together, with less work than one by one.
 
@@ -84,7 +85,7 @@ class Problem:
             if str(error).startswith("requirement "):
                 raise
 
-    @filters_told()
+    @untold()
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
         """Return the figures at a point in the scenario's units; nan with the reason if it fails.
 
@@ -114,7 +115,8 @@ class Problem:
         if name not in self._designed:
             if len(self._designed) >= _MOST_DESIGNS:
                 self._designed.clear()
-            self._designed[name] = _designed_gains(self.with_overrides(believed))
+            with untold():  # the point's own loop tells it
+                self._designed[name] = _designed_gains(self.with_overrides(believed))
         known: dict[str, str] | None = self._designed[name]
         return known
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from jounce.analysis.margins import loop_margins
+from jounce.analysis.margins.factoring import factored, factored_all
 from jounce.analysis.margins.shared_margins import SharedLoops
 from jounce.plant import PID, Axis, Controller, FlexibleMode, Inertia, LowPass, Notch, ServoLoop
+from jounce.plant.models import Rational
 
 NAMES = (
     *("crossover_hz", "phase_margin_deg", "delay_margin_s", "delay_margin_hz", "bandwidth_hz"),
@@ -65,3 +67,24 @@ def test_a_loop_that_has_no_margins_costs_the_others_nothing():
     assert shared.margins(0).phase_margin_deg == loop_margins(good).phase_margin_deg
     assert shared.margins(2) is shared.margins(0)
     assert shared.margins(1).stable == loop_margins(silent).stable
+
+
+def test_loops_that_are_factored_together_have_the_bits_of_each_alone():
+    rng = np.random.default_rng(7)
+    models = [random_loop(rng).open_model() for _ in range(12)]
+    loop = next(loop for loop in iter(lambda: random_loop(rng), None) if loop.is_digital)
+    for share in (0.0, 0.5, 0.9, 1.1):  # alike, and one that has poles at 0 in place of friction
+        axis = Axis(loop.plant.J * (1.0 + share), modes=loop.plant.modes, viscous=share)
+        models.append(ServoLoop(axis, loop.controller).open_model())
+    for found, model in zip(factored_all(models), models, strict=True):
+        alone = factored(model)
+        for name in ("zeros", "poles", "closed", "hidden", "gain", "scale", "samples"):
+            assert np.array_equal(getattr(found, name), getattr(alone, name)), name
+
+
+def test_a_model_that_cannot_be_factored_costs_the_others_nothing():
+    good = ServoLoop(Inertia(2.0), PID(40.0, 60.0, 12.0)).open_model()
+    bad = Rational(np.array([math.nan]), np.array([1.0, 0.0]))
+    first, second = factored_all([bad, good])
+    assert "nan or inf" in str(first)
+    assert np.array_equal(second.poles, factored(good).poles)

@@ -1,36 +1,26 @@
-"""Sweeps of a scenario: the points, what is kept, what they answer, stopping and going on."""
+"""Sweeps of a scenario: their points, the numbers found there, and what they answer."""
 
-import errno
-import json
-import multiprocessing
 import os
-import signal
-import subprocess
-import sys
-import time
+import pickle
+import warnings
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray
-from swept_axis import AXIS
+from swept_axis import AXIS, INERTIA, QUICK
 
 from jounce.app import LogUniform, Normal, ScenarioSweep, Uniform, survey_file, sweep
+from jounce.app.scenario import read_content
+from jounce.app.sweeps.figures import Problem
+from jounce.app.sweeps.workers import _work_there
 
-INERTIA = {"plant.inertia": Uniform("1.5 kg m^2", "2500 g m^2")}
-QUICK = ("phase_margin", "crossover")
+TELESCOPE = Path(__file__).parents[3] / "examples" / "telescope_azimuth.toml"
+MARGINS = ("phase_margin", "lower_gain_margin", "modulus_margin", "delay_margin", "bandwidth")
 
 whole = pytest.mark.skipif(
     os.environ.get("JOUNCE_TIER") != "slow", reason="starts processes anew: in make test-slow"
 )
-
-
-@pytest.fixture
-def axis(tmp_path) -> Path:
-    path = tmp_path / "axis.toml"
-    path.write_text(AXIS, encoding="utf-8")
-    return path
 
 
 def test_a_grid_has_every_value_with_every_other_and_the_survey_s_numbers(axis):
@@ -81,7 +71,39 @@ def test_the_worst_case_is_a_file_that_gives_its_figures(axis, tmp_path):
         case.save(tmp_path / "worst.toml")
 
 
-def test_the_numbers_do_not_depend_on_who_works_them_out(axis):
+def test_the_numbers_are_the_same_bits_whichever_points_are_worked_out_together():
+    keys = ("plant.inertia", "plant.modes.structure.frequency", "controller.delay")
+    problem = Problem(TELESCOPE, read_content(TELESCOPE), keys, (*MARGINS, "load_settling"))
+    points = [
+        *(("900 kg m^2", "6.1 Hz", "1.2 samples"), ("1100 kg m^2", "5.8 Hz", "1.8 samples")),
+        *(("1000 kg m^2", "6 Hz", "2 samples"), ("1 kg m^2", "6 Hz", "2 samples")),
+        *(("-1 kg m^2", "6 Hz", "2 samples"), ("950 kg m^2", "6.05 Hz", "1.3 samples")),
+    ]
+    sent = pickle.dumps(problem)
+    found = []
+    for size in (1, 4, 6):
+        there = pickle.loads(sent)
+        batches = [points[k : k + size] for k in range(0, len(points), size)]
+        found.append([row for batch in batches for row in _work_there(there, 0, batch)[1]])
+    assert [bool(failure) for _, failure in found[0]] == [False, False, False, True, True, False]
+    assert repr(found[1]) == repr(found[0])
+    assert repr(found[2]) == repr(found[0])
+
+
+def test_a_sweep_warns_once_of_what_all_its_points_have(axis):
+    digital = AXIS.replace('gains = "design"', 'gains = "design"\nsample_time = "1 ms"')
+    filters = '[[controller.filters]]\nkind = "low-pass"\ncorner = "450 Hz"\n'
+    axis.write_text(digital.replace("[limits", filters + "[limits"), encoding="utf-8")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1)
+    assert not found.failures()
+    (message,) = (str(each.message) for each in told)
+    assert message.startswith(f"{axis}: controller.filters[0]: LowPass at 450 Hz, 0.9 of the")
+
+
+@whole
+def test_the_numbers_do_not_depend_on_how_many_processes_there_are(axis):
     here = sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1)
     there = sweep(axis, INERTIA, figures=QUICK, samples=8, workers=2)
     assert here.dataset.drop_vars("failure").equals(there.dataset.drop_vars("failure"))
@@ -122,216 +144,17 @@ def test_whatever_goes_wrong_at_a_point_is_told_there(axis, monkeypatch, wrong):
 def test_margins_that_fail_at_one_point_leave_the_others_theirs(axis, monkeypatch):
     from jounce.analysis.margins import shared_margins
 
-    honest, seen = shared_margins.factored, []
+    honest, seen = shared_margins.without_cancelled, []
 
-    def failing(model):
-        seen.append(model)
+    def failing(loop):
+        seen.append(loop)
         if len(seen) == 2:
             raise FloatingPointError("overflow")
-        return honest(model)
+        return honest(loop)
 
-    monkeypatch.setattr(shared_margins, "factored", failing)
+    monkeypatch.setattr(shared_margins, "without_cancelled", failing)
     found = sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1)
     assert found.failures() == {1: "FloatingPointError: overflow"}
-
-
-@pytest.mark.parametrize("name", ["sweep.zarr", "sweep.nc"])
-def test_a_disk_that_fills_is_told_in_a_line_and_the_sweep_goes_on(
-    axis, tmp_path, monkeypatch, name
-):
-    honest, written = xarray.Dataset.to_zarr, []
-
-    def full(*given, **asked):
-        written.append(asked)
-        if len(written) == 4:  # the folder, figures and mark of a batch, figures of the next
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return honest(*given, **asked)
-
-    monkeypatch.setattr(xarray.Dataset, "to_zarr", full)
-    asked = {"figures": QUICK, "samples": 8, "workers": 1, "output": tmp_path / name}
-    with pytest.raises(
-        OSError, match=r"cannot be written any more \(No space left.* go on with"
-    ) as e:
-        sweep(axis, INERTIA, **asked)
-    assert "\n" not in str(e.value)
-    again = sweep(axis, INERTIA, **asked)
-    assert again.is_whole
-    assert len(written) == 6
-    assert [path.name for path in tmp_path.iterdir() if "sweep" in path.name] == [name]
-
-
-def test_a_file_that_does_not_fit_leaves_no_part_and_is_made_by_the_same_call(
-    axis, tmp_path, monkeypatch
-):
-    def full(_, path, **__):
-        Path(path).write_bytes(b"part")
-        raise RuntimeError("Unable to flush file\n(no space left)")
-
-    asked = {"figures": QUICK, "samples": 4, "workers": 1, "output": tmp_path / "sweep.nc"}
-    with monkeypatch.context() as filled:
-        filled.setattr(xarray.Dataset, "to_netcdf", full)
-        with pytest.raises(OSError, match=r"Unable to flush file.*make room"):
-            sweep(axis, INERTIA, **asked)
-    assert {path.name for path in tmp_path.iterdir()} == {"axis.toml", "sweep.nc.growing"}
-    assert sweep(axis, INERTIA, **asked).is_whole
-    assert {path.name for path in tmp_path.iterdir()} == {"axis.toml", "sweep.nc"}
-
-
-@whole
-def test_a_process_that_dies_is_told_in_a_line_and_the_sweep_goes_on(axis, tmp_path, monkeypatch):
-    from jounce.app.sweeps.store import Store
-
-    honest = Store.write
-
-    def killing(*given):
-        honest(*given)
-        for process in multiprocessing.active_children():
-            process.kill()
-
-    asked = {"figures": QUICK, "samples": 64, "output": tmp_path / "sweep.zarr"}
-    with monkeypatch.context() as deadly:
-        deadly.setattr(Store, "write", killing)
-        with pytest.raises(ChildProcessError, match=r"has died.* go on with the same call") as told:
-            sweep(axis, INERTIA, **asked, workers=2)
-    assert "\n" not in str(told.value)
-    assert done_in(tmp_path / "sweep.zarr") >= 4
-    assert sweep(axis, INERTIA, **asked, workers=1).is_whole
-
-
-@pytest.mark.parametrize("name", ["sweep.zarr", "sweep.nc"])
-def test_it_is_saved_and_read_as_it_was(axis, tmp_path, name):
-    found = sweep(axis, INERTIA, figures=QUICK, samples=5, workers=1, output=tmp_path / name)
-    again = ScenarioSweep.load(tmp_path / name)
-    assert again.dataset.equals(found.dataset)
-    assert again.worst("crossover").overrides == found.worst("crossover").overrides
-    assert [path.name for path in tmp_path.iterdir() if "sweep" in path.name] == [name]
-
-
-STOPPED = """
-import sys
-from jounce.app import Uniform, sweep
-if __name__ == "__main__":
-    sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=160,
-          figures=["phase_margin"], output=sys.argv[2], workers=1)
-"""
-
-
-def test_a_killed_sweep_goes_on_and_loses_nothing(axis, tmp_path, monkeypatch):
-    script, folder = tmp_path / "stopped.py", tmp_path / "sweep.zarr"
-    script.write_text(STOPPED, encoding="utf-8")
-    process = subprocess.Popen([sys.executable, script, axis, folder])
-    deadline = time.monotonic() + 60.0
-    while done_in(folder) < 32:
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    before = done_in(folder)
-    assert 32 <= before < 160
-    seen = []
-
-    from jounce.app.sweeps.figures import Problem
-
-    def counted(_, values):
-        seen.append(values)
-        return (1.0,), ""
-
-    monkeypatch.setattr(Problem, "evaluate", counted)
-    parameters = {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}
-    whole = sweep(axis, parameters, samples=160, figures=["phase_margin"], output=folder, workers=1)
-    assert len(seen) == 160 - before
-    assert whole.dataset["done"].values.all()
-    assert (whole.values("phase_margin") > 10.0).sum() == before
-
-
-def done_in(folder: Path) -> int:
-    if not (folder / ".zmetadata").exists():
-        return 0
-    return int(xarray.open_zarr(folder, chunks=None)["done"].values.sum())
-
-
-def test_a_stopped_sweep_returns_what_is_done_and_goes_on(axis, tmp_path, monkeypatch, run):
-    from jounce.app.sweeps.figures import Problem
-    from jounce.app.sweeps.run import Stopped
-
-    honest, seen = Problem.evaluate, []
-
-    def stopping(problem, values):
-        seen.append(values)
-        if len(seen) == 10:
-            raise KeyboardInterrupt
-        return honest(problem, values)
-
-    monkeypatch.setattr(Problem, "evaluate", stopping)
-    asked = {"figures": QUICK, "samples": 16, "workers": 1, "output": tmp_path / "out/sweep.zarr"}
-    with pytest.warns(Stopped, match="stopped at 8 of 16 points; the same call goes on"):
-        part = sweep(axis, INERTIA, **asked)
-    assert (part.is_whole, int(part.dataset["done"].sum())) == (False, 8)
-    assert part.met().points == 8
-    del seen[:]
-    (tmp_path / "sweep.toml").write_text(
-        f'figures = ["{QUICK[0]}", "{QUICK[1]}"]\nsamples = 16\n[parameters]\n'
-        'plant.inertia = { uniform = ["1.5 kg m^2", "2500 g m^2"] }\n',
-        encoding="utf-8",
-    )
-    command = ("sweep", axis, tmp_path / "sweep.toml", "--output", tmp_path / "out", "--workers", 1)
-    seen += [None] * 5
-    status, _, errors = run(*command)
-    assert status == 130
-    assert "12 of 16 points" in errors[0]
-    assert "the same command goes on" in errors[0]
-    seen += [None] * 99
-    whole = sweep(axis, INERTIA, **asked)
-    assert (whole.is_whole, len(seen)) == (True, 113)
-
-
-INTERRUPTED = """
-import signal, sys, warnings
-from jounce.app import Uniform, sweep
-if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    warnings.simplefilter("ignore")
-    found = sweep(sys.argv[1], {"plant.inertia": Uniform("1.5 kg m^2", "2.5 kg m^2")}, samples=2048,
-                  figures=["phase_margin"], output=sys.argv[2], workers=2)
-    print(int(found.dataset["done"].sum()))
-"""
-
-
-@whole
-def test_an_interrupt_of_all_its_processes_keeps_what_is_done(axis, tmp_path):
-    script, folder = tmp_path / "interrupted.py", tmp_path / "sweep.zarr"
-    script.write_text(INTERRUPTED, encoding="utf-8")
-    process = subprocess.Popen(
-        [sys.executable, script, axis, folder],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    deadline = time.monotonic() + 120.0
-    while done_in(folder) < 64:
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    out, errors = process.communicate(timeout=60.0)
-    assert (process.returncode, errors) == (0, "")
-    assert 64 <= int(out) == done_in(folder) < 2048
-
-
-def test_another_sweep_is_not_mixed_in(axis, tmp_path):
-    sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "a.zarr")
-    with pytest.raises(ValueError, match="holds another sweep, of other points"):
-        sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.zarr")
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    with pytest.raises(ValueError, match="cannot be written"):
-        sweep(axis, INERTIA, figures=QUICK, samples=4, workers=1, output=tmp_path / "file/a.zarr")
-    for missing in ("b.zarr", "b.nc"):
-        with pytest.raises(ValueError, match=r"is no sweep \(there is none\)"):
-            ScenarioSweep.load(tmp_path / missing)
-    with pytest.raises(ValueError, match=r"ends in \.zarr or \.nc"):
-        sweep(axis, INERTIA, figures=QUICK, samples=8, workers=1, output=tmp_path / "a.csv")
 
 
 def test_sobol_s_indices_find_what_matters(axis):
@@ -413,51 +236,3 @@ def test_the_pareto_front_is_what_nothing_beats():
         i for i in range(200) if not ((x < x[i]) & (y >= y[i]) | (x <= x[i]) & (y > y[i])).any()
     ]
     assert sorted(front["settling"].values) == sorted(x[slow])
-
-
-def test_the_command_prints_answers_and_writes_files(axis, tmp_path, run):
-    (tmp_path / "sweep.toml").write_text(
-        'figures = ["phase_margin"]\nsamples = 4\n[parameters]\n'
-        'plant.inertia = { uniform = ["1.9 kg m^2", "2.1 kg m^2"] }\n',
-        encoding="utf-8",
-    )
-    output = tmp_path / "out"
-    arguments = ("sweep", axis, tmp_path / "sweep.toml", "--output", output, "--workers", 1)
-    status, out, errors = run(*arguments)
-    assert (status, errors) == (0, [])
-    assert "of 4 points meet what is required" in out
-    assert {path.name for path in output.iterdir()} == {
-        *("sweep.zarr", "phase_margin.png", "worst_phase_margin.toml")
-    }
-    status, out, _ = run(*arguments, "--json")
-    answers = json.loads(out)
-    assert answers["points"] == 4
-    assert answers["worst"]["phase_margin"]["unit"] == "deg"
-    (tmp_path / "sweep.toml").write_text("samples = 4\nfigure = 3\n", encoding="utf-8")
-    status, _, errors = run(*arguments)
-    assert status == 2
-    assert "figure is no key" in errors[0]
-
-
-def test_a_notebook_shows_rate_and_time_left_in_one_line(monkeypatch):
-    from jounce.app.sweeps import progress
-
-    shown, clock = [], iter([0.0, 2.0, 4.0])
-    line = SimpleNamespace(update=lambda data, **_: shown.append(data["text/plain"]))
-    told = SimpleNamespace(display=lambda data, **_: shown.append(data["text/plain"]) or line)
-    shell = SimpleNamespace(kernel="a notebook's")
-    ipython = SimpleNamespace(get_ipython=lambda: shell, display=told)
-    monkeypatch.setitem(sys.modules, "IPython", ipython)
-    monkeypatch.setitem(sys.modules, "IPython.display", told)
-    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
-    with progress.shown_progress(100, 20, None) as advance:
-        advance(20)
-        advance(60)
-    del shell.kernel  # a shell of its own: no notebook
-    with progress.shown_progress(100, 20, None) as advance:
-        advance(80)
-    assert shown == [
-        "20 of 100 points",
-        "40 of 100 points, 10 points/s, 6 s left",
-        "100 of 100 points, 20 points/s",
-    ]
