@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from . import cli
 from .common_options import AS_JSON, OVERRIDES, QUIET
+from .exit_status import BAD_INPUT, CHECK_FAILED
 from .standard_input import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from .gate.ci_reports import BadInput
 
     Outcomes: TypeAlias = Sequence[GateReport | BadInput]
-
-BAD_INPUT = 2
-CHECK_FAILED = 1
 
 
 class CheckFormat(StrEnum):

@@ -1,10 +1,14 @@
-"""Commands that are functions: argparse reads what their annotated parameters declare."""
+"""Commands that are functions: argparse reads what their annotated parameters declare.
+
+A command's module is imported when the command is asked for.
+"""
 
 from __future__ import annotations
 
 from argparse import BooleanOptionalAction
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from inspect import signature
 from pathlib import Path
 from types import NoneType
@@ -105,10 +109,20 @@ def _parameters_of(function: Callable[..., None]) -> Iterator[Parameter]:
 
 @dataclass(frozen=True)
 class Command:
-    """A function as a command, by the words that call it."""
+    """A function as a command, by the words that call it.
+
+    `place` is where the function stands: ``"module:function"``, of this package.
+    """
 
     path: str
-    function: Callable[..., None]
+    place: str
+
+    @property
+    def function(self) -> Callable[..., None]:
+        """The function, its module imported."""
+        module, _, name = self.place.partition(":")
+        found: Callable[..., None] = getattr(import_module(f".{module}", __package__), name)
+        return found
 
     @property
     def help(self) -> str:
@@ -142,29 +156,33 @@ class Command:
 class Commands:
     """Commands under one word, `path`; called alone they print their help.
 
-    `version` prints it, for ``--version``.
+    `places` has by name the `place` of a command, or other commands. `version` prints it, for
+    ``--version``.
     """
 
-    help: str
     path: str
+    help: str
+    places: Mapping[str, str | Commands]
     version: Callable[[], None] | None = None
-    inner: dict[str, Command | Commands] = field(default_factory=dict)
 
-    def command(self, name: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-        """Return a decorator that makes a function a command of this name."""
-
-        def added(function: Callable[..., None]) -> Callable[..., None]:
-            self.inner[name] = Command(f"{self.path} {name}", function)
-            return function
-
-        return added
-
-    def add(self, commands: Commands) -> None:
-        """Add commands under the last word of their own path."""
-        self.inner[commands.path.rpartition(" ")[2]] = commands
+    @property
+    def inner(self) -> dict[str, Command | Commands]:
+        """The commands by name."""
+        return {
+            name: Command(f"{self.path} {name}", each) if isinstance(each, str) else each
+            for name, each in self.places.items()
+        }
 
     def __call__(self, words: Sequence[str]) -> None:
         """Run the command that the first word names with the others, which it alone parses."""
+        chosen = self.inner.get(next(iter(words), ""))
+        if chosen is not None:
+            chosen(words[1:])
+        else:
+            self._call_alone(words)
+
+    def _call_alone(self, words: Sequence[str]) -> None:
+        """Do what the options say, or refuse the words."""
         parser = Parser(self.path, "COMMAND …", self.help)
         commands = parser.add_subparsers(title="Commands", metavar="COMMAND", dest="command")
         for name, each in self.inner.items():
@@ -177,10 +195,8 @@ class Commands:
             parser.print_help()
             raise SystemExit(2)
         parser.check_names(words[:1])
-        chosen = parser.parse_args(words[:1]).command
-        if chosen is not None:
-            self.inner[chosen](words[1:])
-        elif self.version is not None:
+        parser.parse_args(words[:1])
+        if self.version is not None:
             self.version()
 
 

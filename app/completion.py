@@ -1,12 +1,15 @@
-"""Shell completion: a script with all commands, options and choices, for bash, zsh and fish."""
+"""The command `jounce completion`: a script with commands and options, for bash, zsh and fish."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Annotated
 
-from .cli import Command, Commands, Parameter, all_commands
+from .cli import Argument, Command, Commands, Parameter, all_commands
+from .common_options import AS_JSON, QUIET
+from .printing import print_text
 
 
 class Shell(StrEnum):
@@ -148,3 +151,27 @@ def _fish_option(option: Parameter) -> str:
     elif _takes_value(option):
         words.append("-r")
     return " ".join(words)
+
+
+def completion_command(
+    shell: Annotated[Shell, Argument(help="bash, zsh or fish.")],
+    as_json: AS_JSON = False,
+    _: QUIET = False,
+) -> None:
+    """Print what a shell needs to complete commands and options.
+
+    bash: eval "$(jounce completion bash)" in ~/.bashrc.
+
+    zsh: eval "$(jounce completion zsh)" in ~/.zshrc.
+
+    fish: jounce completion fish > ~/.config/fish/completions/jounce.fish
+    """
+    from .command_line import app
+
+    script = completion_script(app, shell)
+    if as_json:
+        from .json_output import print_json
+
+        print_json({"shell": shell.value, "script": script})
+        return
+    print_text(script)

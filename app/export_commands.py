@@ -10,10 +10,7 @@ from .block_choice import BLOCK_AS_C, check_move
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import seconds
 
-export_app = cli.Commands("Blocks of a scenario as C for firmware.", "jounce export")
 
-
-@export_app.command("c")
 def export_c_command(
     scenario: SCENARIO,
     block: BLOCK_AS_C,

@@ -1,4 +1,4 @@
-"""The commands `jounce fmu`: export a block of a scenario, inspect an FMU or SSP, run it."""
+"""The commands `jounce fmu export` and `jounce fmu inspect`: FMUs written and looked into."""
 
 from __future__ import annotations
 
@@ -11,12 +11,7 @@ from . import cli
 from .block_choice import BLOCK_AS_FMU, BlockChoice, check_move
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .fmu_options import check_readable, is_ssp, seconds, size_in_bytes
-from .fmu_run import run_command
 from .standard_input import STANDARD_INPUT, file_of
-
-fmu_app = cli.Commands(
-    "FMUs, FMI 2.0 and 3.0: export blocks of a scenario, inspect, run.", "jounce fmu"
-)
 
 
 class FmiVersion(StrEnum):
@@ -26,7 +21,6 @@ class FmiVersion(StrEnum):
     FMI_3 = "3.0"
 
 
-@fmu_app.command("export")
 def export_command(
     scenario: SCENARIO,
     block: BLOCK_AS_FMU,
@@ -98,7 +92,6 @@ def export_command(
     print_parts(*made.notes)
 
 
-@fmu_app.command("inspect")
 def inspect_command(
     file: Annotated[
         Path,
@@ -129,9 +122,6 @@ def inspect_command(
         print_json(found)
         return
     print_parts(*(ssp_tables(found) if system else fmu_tables(found, local=local)))
-
-
-fmu_app.command("run")(run_command)
 
 
 def _platforms(given: Sequence[str] | None) -> list[str] | None:

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import cli
 from .common_options import QUIET
+from .exit_status import CHECK_FAILED
 from .printing import print_parts
 from .standard_input import file_of
 
 if TYPE_CHECKING:
     from ..analysis.measured import MeasuredResponse
-
-UNSTABLE = 1
 
 
 def frf_command(
@@ -95,7 +94,7 @@ def frf_command(
         print_parts(*(f"note: {warning}" for warning in margins.warnings))
     _draw(measured, law, plot, quiet=as_json)
     if margins is not None and margins.stable is False:
-        raise SystemExit(UNSTABLE)
+        raise SystemExit(CHECK_FAILED)
 
 
 def _controller_of(path: Path) -> Any:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import inf
 
 from ..shaping import Limits, Trajectory, bound_for_rise_time, min_time_move
-from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES, derivative_name
+from ..shaping.pieces import MAX_MOVE_ORDER
 from ..shaping.plain_moves import Method
 from ..shaping.told import Told
 from .units import (

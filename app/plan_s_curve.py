@@ -35,12 +35,6 @@ class SCurveText:
     jerk_percent: str | None = None
     percent_keeps: str | None = None
 
-    @property
-    def asked_for(self) -> bool:
-        """Whether there is one that other moves do not have."""
-        own = (self.deceleration, self.deceleration_jerk, self.jerk_percent, self.percent_keeps)
-        return any(text is not None for text in own)
-
 
 def plan_s_curve(
     distance: str | None, rates: SCurveText, *, start: str | None = None, to: str | None = None

@@ -6,8 +6,8 @@ from typing import Any, cast
 from pydantic import BeforeValidator, ValidationInfo, ValidatorFunctionWrapHandler, WithJsonSchema
 
 from ..analysis.specification import Bound
-from ..shaping.closed_moves import MAX_MOVE_ORDER
 from ..shaping.derivatives import DERIVATIVE_NAMES
+from ..shaping.pieces import MAX_MOVE_ORDER
 from .scenario_context import INERTIA_KINDS, Context, positive_kind
 from .scenario_keys import Key, Quantity, quantity_schema
 from .scenario_kinds import density_kind

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import cli
 from .common_options import QUIET, SCENARIO
+from .exit_status import INTERRUPTED
 from .printing import print_parts
 
 if TYPE_CHECKING:
     from .sweeps.result import ScenarioSweep
-
-_INTERRUPTED = 130
 
 
 def sweep_command(
@@ -59,7 +58,7 @@ def sweep_command(
             client.close()
     if not found.is_whole:
         print(f"jounce: stopped: {found!r}; the same command goes on", file=sys.stderr)
-        raise SystemExit(_INTERRUPTED)
+        raise SystemExit(INTERRUPTED)
     files = _write(found, output)
     if as_json:
         from .json_output import print_json

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..later import later
-from .jerk_filter import FilterResponse, JerkFilter
 from .limits import Limits
-from .min_jerk import min_jerk_move
 from .moves import bound_for_rise_time, min_time_move, perfect_spline
 from .rise import switch_fractions
 from .trajectory import Trajectory
@@ -19,6 +17,8 @@ if TYPE_CHECKING:
     from .followed import follow_commands
     from .followers import CommandFollower, FollowerResponse
     from .input_shapers import InputShaper, input_shaper
+    from .jerk_filter import FilterResponse, JerkFilter
+    from .min_jerk import min_jerk_move
     from .optimal.binding import binding_limits
     from .optimal.certificate import Certificate, certify, proven_excess
     from .passage import Passage, Tour
@@ -37,9 +37,11 @@ if TYPE_CHECKING:
 _LATER = {
     "Certificate": "optimal.certificate",
     "CommandFollower": "followers",
+    "FilterResponse": "jerk_filter",
     "FollowerResponse": "followers",
     "InfeasibleError": "transfers.infeasible",
     "InputShaper": "input_shapers",
+    "JerkFilter": "jerk_filter",
     "MotionBatch": "batch",
     "Passage": "passage",
     "SCurveMove": "transfers.s_curve",
@@ -53,6 +55,7 @@ _LATER = {
     "proven_excess": "optimal.certificate",
     "follow_commands": "followed",
     "input_shaper": "input_shapers",
+    "min_jerk_move": "min_jerk",
     "min_time_moves": "batches.moves",
     "min_time_transfer": "transfers.transfer",
     "min_time_transfers": "batches.transfers",

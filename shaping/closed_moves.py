@@ -14,13 +14,11 @@ from .closed_form import fastest_form
 from .derivatives import derivative_name
 from .limits import Limits, check_both_sides, check_plain, of_one, one_sided
 from .move_units import are_ordinary, in_own_units
+from .pieces import MAX_MOVE_ORDER
 from .rise import to_trajectory
 from .trajectory import Trajectory, point, within_range
 
 SPOILT = 1e-11  # an excess over a bound that is more than rounding
-
-MAX_MOVE_ORDER = 14
-"""Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
 
 
 def check_kept(move: Trajectory, limits: Limits) -> None:

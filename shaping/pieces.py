@@ -16,6 +16,9 @@ RealArray = NDArray[np.floating[Any]]
 MAX_ORDER = 40
 """Highest polynomial order handled: beyond it (order)! leaves the useful range of a double."""
 
+MAX_MOVE_ORDER = 14
+"""Highest order of `min_time_move`: the recursion of order n has up to 2ⁿ − 1 pieces."""
+
 MAX_SAMPLES = 10**9
 """Longest time grid."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 from .. import core
-from .closed_moves import check_kept, fastest, planned
 from .limits import Limits
 from .trajectory import Trajectory, within_range
 
@@ -32,6 +31,7 @@ def plain_move(distance: float, limits: Limits, start: float, method: Method) ->
 
 def formed_move(distance: float, limits: Limits, start: float, method: Method) -> Trajectory:
     """Return the move that the core does not plan at once; errors are told here."""
+    from .closed_moves import check_kept, fastest, planned  # which most moves go without
 
     def plan(length: float, forward: Limits) -> Trajectory:
         move = within_range(lambda: fastest(length, forward))

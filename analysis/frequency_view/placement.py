@@ -11,8 +11,8 @@ import numpy as np
 
 from ...shaping import Limits, Trajectory, min_time_move
 from ...shaping.checks import finite, positive
-from ...shaping.closed_moves import MAX_MOVE_ORDER
 from ...shaping.derivatives import derivative_name, derivative_number
+from ...shaping.pieces import MAX_MOVE_ORDER
 from ...shaping.real_numbers import shown
 from .nulls import DOUBLE, SYMMETRIC
 from .spectrum import spectrum_bound, velocity_spectrum
