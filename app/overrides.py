@@ -18,7 +18,10 @@ from .units import show
 _QUOTED = r"\"(?:[^\"\\]|\\.)*\"|'[^']*'"
 _PART = re.compile(rf"\[(\d+)\]|\.({_QUOTED}|[^.=\"'\[\]]+)")
 _KEY_AND_VALUE = re.compile(rf"((?:{_QUOTED}|[^=\"'])+)=(.*)", re.DOTALL)
-_NAMED: tuple[Place, ...] = (("limits",), ("modes",), ("moves",), ("tracking",), ("plant", "modes"))
+_NAMED: tuple[Place, ...] = (
+    *(("limits",), ("modes",), ("moves",), ("tracking",)),
+    *(("plant", "modes"), ("believed", "modes")),
+)
 """Keys whose entries have names of the user's own."""
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -30,6 +30,7 @@ from .scenario_formats import (
     GainRule,
     Gains,
     MoveSection,
+    PlantOf2,
 )
 from .scenario_frf import check_measured
 from .scenario_messages import Place, lines_of, what_to_write
@@ -99,6 +100,8 @@ class Scenario(Told, Frozen):
         What was given in place of the file's own, as ``key = value``.
     plant, controller, feedforward
         What a file of format 2 says of them besides the above.
+    believed : PlantOf2 or None
+        The plant for which feedforward, shapers and gains are made, where it is not the true one.
     tracking : tuple of TrackingSection
         Commands that go on; `limit_sets` are the bounds that scans name.
     disturbances : DisturbanceSection
@@ -129,6 +132,14 @@ class Scenario(Told, Frozen):
     limit_sets: Mapping[str, tuple[Bound, ...]] = field(default_factory=dict, hash=False)
     disturbances: DisturbanceSection = field(default_factory=DisturbanceSection)
     requirements: tuple[Requirement, ...] = ()
+    believed: PlantOf2 | None = None
+
+    @property
+    def as_believed(self) -> "Scenario":
+        """The same with the plant that is believed to be there."""
+        if self.believed is None:
+            return self
+        return replace(self, **_body(self.believed), believed=None)
 
     @property
     def overrides_told(self) -> tuple[str, ...]:
@@ -193,13 +204,14 @@ def scenario_of(
         raise ScenarioError(f"{path}: {error}") from None
     number = _format(path, content)
     context, problems = context_of(content), []
+    told = context, content, tuple(placed.values())
     try:
         checked: Any = FORMATS[number].model_validate(content, context=context)
     except ValidationError as error:
         problems = error.errors(include_url=False)
     else:
         try:
-            return _scenario(path, checked, context, content, tuple(placed.values()))
+            return _as_it_is(checked, _scenario(path, _as_believed(checked), *told))
         except ValueError as error:
             raise ScenarioError(f"{path}: {error}") from None
     lines = (f"{path}: {_whose(p, placed)}{line}" for p, line in lines_of(problems, number))
@@ -269,14 +281,13 @@ def _scenario(
             "that goes on"
         )
     asked = checked.controller.specification
-    more = _more(checked) if isinstance(checked, FileOf2) else {}
     inertia, assumed = _inertia(checked), checked.feedforward.inertia
+    more = _more(checked) if isinstance(checked, FileOf2) else {"inertia": inertia}
     return Scenario(
         path=path,
         title=checked.title or ("scenario" if path == STANDARD_INPUT else path.stem),
         motion=context.motions[0],
         position_unit=checked.position_unit or _position_unit(content, context),
-        inertia=inertia,
         gains=_gains(checked.controller.gains),
         specification=None if asked is None else Specification(**vars(asked)),
         feedforward_inertia=inertia if assumed is None else assumed,
@@ -288,6 +299,24 @@ def _scenario(
         counted=context.counted,
         **more,
     )
+
+
+def _as_believed(checked: Any) -> Any:
+    """Return a file with the plant that is believed in place of the true one."""
+    believed = getattr(checked, "believed", None)
+    if believed is None:
+        return checked
+    if checked.plant.frf is not None or believed.frf is not None:
+        raise ValueError("believed: a measured plant is what it is; leave believed out")
+    return checked.model_copy(update={"plant": believed})
+
+
+def _as_it_is(checked: Any, scenario: Scenario) -> Scenario:
+    """Return a scenario with the true plant, its feedforward and shapers as they are."""
+    believed = getattr(checked, "believed", None)
+    if believed is None:
+        return scenario
+    return replace(scenario, **_body(checked.plant), believed=believed)
 
 
 def _is_held(checked: FileOf2) -> bool:
@@ -318,7 +347,10 @@ def _inertia(checked: File | FileOf2) -> float:
     """Return the inertia of all that moves; nan of one given by its response."""
     if isinstance(checked, File):
         return checked.plant.inertia
-    plant = checked.plant
+    return _moved(checked.plant)
+
+
+def _moved(plant: PlantOf2) -> float:
     given = plant.inertia or plant.mass
     return given or (sum(plant.chain.masses) if plant.chain else math.nan)
 
@@ -326,15 +358,23 @@ def _inertia(checked: File | FileOf2) -> float:
 def _more(checked: FileOf2) -> dict[str, Any]:
     """Return what only files of format 2 say."""
     return {
-        "body": checked.plant.body,
         "disturbed": {m.name: m.disturbances for m in checked.moves if m.disturbances is not None},
-        "plant": _part(PlantSection, checked.plant),
+        **_body(checked.plant),
         "controller": _part(ControllerSection, checked.controller),
         "feedforward": _part(FeedforwardSection, checked.feedforward),
         "tracking": checked.tracking,
         "limit_sets": {name: bounds_of(limits) for name, limits in checked.limits.items()},
         "disturbances": checked.disturbances,
         "requirements": checked.requirements,
+    }
+
+
+def _body(plant: PlantOf2) -> dict[str, Any]:
+    """Return what a scenario keeps of a plant."""
+    return {
+        "inertia": _moved(plant),
+        "body": plant.body,
+        "plant": _part(PlantSection, plant),
     }
 
 

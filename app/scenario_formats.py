@@ -213,6 +213,7 @@ class FileOf2(_Section):
     title: Annotated[str | None, checks.NAME] = None
     position_unit: Annotated[str | None, checks.POSITION_UNIT] = None
     plant: PlantOf2
+    believed: PlantOf2 | None = None
     controller: ControllerOf2
     feedforward: FeedforwardOf2 = FeedforwardOf2()
     filter: FilterSection | None = None

@@ -65,9 +65,11 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
     if scenario.body == "frf":
         raise ValueError(f"{scenario.path}: plant.frf: {TIME_RESPONSE}; margins need none of it")
     plant = plant_of(scenario)
-    controller = controller_of(scenario, plant)
+    known = scenario.as_believed
+    believed = plant if known is scenario else plant_of(known)
+    controller = controller_of(known, believed)
     with _named(scenario, "feedforward"), untold(FilterWarning):  # it is told with its key
-        return ServoLoop(plant, controller, feedforward_of(scenario, plant, controller))
+        return ServoLoop(plant, controller, feedforward_of(known, believed, controller))
 
 
 @contextmanager

@@ -242,6 +242,7 @@ load_settling = {max = "2 s"}
 """),
 }
 EXAMPLE_2["plant"]["ripple"]["forces"] = ["0 N"]
+EXAMPLE_2["believed"] = EXAMPLE_2["plant"]
 for _acting in (EXAMPLE_2["disturbances"], EXAMPLE_2["moves"][0]["disturbances"]):
     for _key in ("step", "sine", "file", "spectrum"):
         _acting[f"force_{_key}"] = _acting[f"torque_{_key}"]

@@ -42,6 +42,7 @@ _FEEDFORWARD = (
 _DESIGN = (
     *(("controller", name) for name in _CONTROLLER),
     *(("feedforward", name) for name in _FEEDFORWARD),
+    ("believed",),
 )
 _ENTRIES = ("moves", "modes", "tracking")
 _KEYS: dict[str, Key] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,8 @@ class Problem:
     """What is worked out at every point: a scenario's content, and which figures of it.
 
     It is sent to other processes and machines, which need not have the file. With `hold_gains`
-    the gains that a file has designed are designed for plant and delay as they stand in the file,
-    and stay what they are however these vary.
+    what is made for the plant and the delay (designed gains, feedforward, shapers) is made for
+    those that stand in the file, and stays what it is however these vary.
     """
 
     path: Path
@@ -41,13 +41,33 @@ class Problem:
     _prepared: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def overrides(self, values: Sequence[object]) -> dict[str, object]:
-        """Return what is put into the file at a point, held gains included."""
+        """Return what is put into the file at a point, what is held included."""
         given = dict(zip(self.keys, values, strict=True))
-        if self.hold_gains and not any(key.startswith("controller.gains") for key in self.keys):
+        if not self.hold_gains:
+            return given
+        given |= self._believed
+        if not any(key.startswith("controller.gains") for key in self.keys):
             gains = self._gains(given)
             if gains is not None:
                 given["controller.gains"] = gains
         return given
+
+    @cached_property
+    def _believed(self) -> dict[str, object]:
+        """What keeps feedforward and shapers as the file has them, however plant and delay vary."""
+        held: dict[str, object] = {}
+        plant, said = self.content["plant"], self.content.get("feedforward", {})
+        varies = any(key.partition(".")[0] == "plant" for key in self.keys)
+        if self.content.get("format") != 2:
+            if varies and "inertia" not in said:
+                held["feedforward.inertia"] = plant["inertia"]
+            return held
+        if varies and "frf" not in plant and "believed" not in self.content:
+            held["believed"] = plant
+        if said.get("lead") == "auto" and "controller.delay" in self.keys:
+            clock = self.with_overrides({}).controller
+            held["feedforward.lead"] = f"{clock.delay + 0.5 * (clock.sample_time or 0.0)!r} s"
+        return held
 
     def scenario(self, values: Sequence[object]) -> Scenario:
         """Return the scenario at a point."""

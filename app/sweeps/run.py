@@ -67,9 +67,10 @@ def sweep(
     seed : int, optional
         Of the sample: the same seed gives the same points.
     hold_gains : bool, optional
-        Gains that the file asks to be designed are designed once, for plant and delay in the file
-        (and for whatever else of the controller is swept, such as its specification), as those
-        of a drive that knows no better; False designs them anew at every point.
+        A drive knows no better than the file: gains that it asks to be designed, feedforward,
+        and shapers of the plant's modes are made for plant and delay in the file (and for
+        whatever else of the controller is swept, such as its specification), and held. False
+        makes them anew at every point.
     output : path, optional
         A folder ``….zarr`` or a file ``….nc`` that the results are saved to as they come. A
         sweep that was stopped goes on where it was.
