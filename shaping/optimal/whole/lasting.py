@@ -22,6 +22,7 @@ from .search import Search
 from .warm_program import Effort
 
 _SAMPLES = 20  # multiples of a sample time that are tried
+_DOUBTFUL = 3  # of them below the motion found, not excluded: with more it is rounded up itself
 _MUCH_LONGER = 4.0  # times the least duration: then there may be time to rest in between
 _AT = 1e-12  # relative: a duration that is another
 _CLEAR = 2e-4  # relative: beyond what ends a blocked interval
@@ -74,7 +75,10 @@ def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float)
 
 def _next_multiple(plan: Plan, dt: float) -> Trajectory:
     """Return a motion that takes the first whole number of samples that is possible."""
+    assert plan.search.best is not None
     count = _samples(plan.lower_bound, dt)
+    known = _samples(ldexp(plan.search.best.time, plan.time), dt)
+    count = known if known - count > _DOUBTFUL else count
     for _ in range(_SAMPLES):
         try:
             return _lasting(plan, count * dt)
@@ -134,8 +138,9 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
 def _next(plan: Plan, time: float) -> Search:
     """Return a search for the first motion that takes no less than a time."""
     search = _from(plan, time)
-    with np.errstate(all="ignore"):
-        search.run(DEFAULT_RTOL)
+    if not search.ended:  # a round more would make its grid finer than any allowed
+        with np.errstate(all="ignore"):
+            search.run(DEFAULT_RTOL)
     return search
 
 

@@ -7,6 +7,9 @@ import pytest
 from whole_problems import random_problem
 
 from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_transfer
+from jounce.shaping.optimal.whole.lasting import next_duration
+from jounce.shaping.optimal.whole.planner import planned
+from jounce.shaping.optimal.whole.search import Search
 
 ASYMMETRIC = Limits(velocity=2.0, acceleration=(-4.0, 1.0), jerk=20.0, snap=(-300.0, 200.0))
 
@@ -40,6 +43,25 @@ def test_transfers_take_whole_numbers_of_samples(seed):
     assert transfer.violation(problem.limits) == 0.0
     n = problem.limits.order
     np.testing.assert_array_equal(transfer.end_state[:n], problem.end)
+
+
+@pytest.mark.parametrize("tick", [2.0**-12, 2.0**-30, 2.0**-34])
+def test_of_a_clock_finer_than_what_is_proven_the_motion_found_is_rounded_up(tick):
+    least = min_time_move(1.0, ASYMMETRIC).duration
+    move = min_time_move(1.0, ASYMMETRIC, round_to=tick)
+    assert move.duration % tick == 0.0
+    assert least * (1.0 - 1e-4) <= move.duration < least + tick
+    assert move.violation(ASYMMETRIC) == 0.0
+
+
+def test_a_search_that_has_ended_is_not_taken_up_again():
+    start, end = (0.0, 0.5, 0.0), (0.2, 0.5, 0.0)
+    limits = Limits(velocity=(0.0, 1.0), acceleration=2.0, jerk=5.0)
+    plan = planned(start, end, limits)
+    ended = Search(plan.search.problem, np.linspace(0.0, 1.0, 200), after=2.0)
+    plan.search.later.append(ended)
+    assert next_duration(start, end, limits, np.ldexp(2.0, plan.time)) == np.inf
+    assert len(ended.nodes) == 200
 
 
 def test_a_blocked_interval_of_durations_is_told_as_such():
