@@ -58,7 +58,7 @@ def lasting(
         return long_lasting(long, (start, end, limits), last)
     if wanted is not None:
         wanted = wanted if dt is None else _samples(wanted, dt) * dt
-        return _lasting(planned(start, end, limits, rtol), wanted)
+        return _lasting(planned(start, end, limits, rtol), wanted, Effort.of(limits.order))
     plan = found_plan(start, end, limits, rtol=rtol)
     assert dt is not None
     return _next_multiple(plan, dt)
@@ -69,21 +69,24 @@ def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float)
     plan = planned(start, end, limits)
     best, time = plan.search.best, ldexp(duration, -plan.time)
     if best is None or best.time < time * (1.0 - _AT):
-        best = None if plan.impossible else _next(plan, time).best
+        effort = Effort.of(limits.order)
+        best = None if plan.impossible else _next(plan, time, effort).best
     return inf if best is None else max(duration, ldexp(best.time, plan.time))
 
 
 def _next_multiple(plan: Plan, dt: float) -> Trajectory:
     """Return a motion that takes the first whole number of samples that is possible."""
     assert plan.search.best is not None
-    count = _samples(plan.lower_bound, dt)
+    count, effort = _samples(plan.lower_bound, dt), Effort.of(plan.problem.order)
     known = _samples(ldexp(plan.search.best.time, plan.time), dt)
     count = known if known - count > _DOUBTFUL else count
     for _ in range(_SAMPLES):
         try:
-            return _lasting(plan, count * dt)
+            return _lasting(plan, count * dt, effort)
         except InfeasibleError:
-            later = _next(plan, ldexp(count * dt, -plan.time)).lower
+            if effort.left <= 0.0:
+                break
+            later = _next(plan, ldexp(count * dt, -plan.time), effort).lower
             count = max(count + 1, _samples(ldexp(later, plan.time), dt) if later < inf else 0)
     raise InfeasibleError(
         f"round_to = {dt!r}: no multiple of it was found that is a duration of this motion; use a "
@@ -97,7 +100,7 @@ def _samples(duration: float, dt: float) -> int:
     return in_range(lambda: ceil(duration / dt * (1.0 - 1e-14)))
 
 
-def _lasting(plan: Plan, duration: float) -> Trajectory:
+def _lasting(plan: Plan, duration: float, effort: Effort) -> Trajectory:
     if plan.impossible:
         raise impossible(plan)
     time = ldexp(duration, -plan.time)
@@ -109,12 +112,12 @@ def _lasting(plan: Plan, duration: float) -> Trajectory:
             raise no_duration(
                 duration, f"every one below {plan.lower_bound:.10g} is proven impossible"
             )
-        found = _of_duration(plan, time, duration)
+        found = _of_duration(plan, time, duration, effort)
     assert found is not None
     return plan.told(found)
 
 
-def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
+def _of_duration(plan: Plan, time: float, duration: float, effort: Effort) -> Repaired:
     problem, best = plan.search.problem, plan.search.best
     if problem.at_rest and best is not None and best.time < time:
         with np.errstate(all="ignore"):
@@ -124,10 +127,10 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
             found = resting(problem, time)
         if found is not None:
             return found
-    search = _from(plan, time)
+    search = _from(plan, time, effort)
     if search.lower > time * (1.0 + _AT):
         raise no_duration(
-            duration, "it is proven that there is none of this one" + _later(plan, time)
+            duration, "it is proven that there is none of this one" + _later(plan, time, effort)
         )
     if search.best is None or search.best.time > time * (1.0 + _AT):
         raise no_duration(duration, "none was found, which is no proof that there is none")
@@ -135,16 +138,16 @@ def _of_duration(plan: Plan, time: float, duration: float) -> Repaired:
         return gentlest(plan.search.problem, search.nodes, time, search.best)
 
 
-def _next(plan: Plan, time: float) -> Search:
+def _next(plan: Plan, time: float, effort: Effort) -> Search:
     """Return a search for the first motion that takes no less than a time."""
-    search = _from(plan, time)
+    search = _from(plan, time, effort)
     if not search.ended:  # a round more would make its grid finer than any allowed
         with np.errstate(all="ignore"):
-            search.run(DEFAULT_RTOL)
+            search.run(DEFAULT_RTOL, effort=effort)
     return search
 
 
-def _from(plan: Plan, time: float) -> Search:
+def _from(plan: Plan, time: float, effort: Effort) -> Search:
     """Return a search that tells whether a motion takes a time; if none, for the next that does."""
     for known in plan.search.later:
         excluded = known.after == time or known.after <= time < known.lower
@@ -155,16 +158,15 @@ def _from(plan: Plan, time: float) -> Search:
     nodes = nodes[apart(nodes, 1e-9)]
     search = Search(plan.search.problem, nodes, after=time)
     plan.search.later.append(search)
-    effort = Effort()
     with np.errstate(all="ignore"):
         while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
             search.run(_AT, search.rounds + 1, effort)
     return search
 
 
-def _later(plan: Plan, time: float) -> str:
+def _later(plan: Plan, time: float, effort: Effort) -> str:
     """Tell of the next duration that is possible, if one is found, rounded up to clear ground."""
-    best = _next(plan, time).best
+    best = _next(plan, time, effort).best
     if best is None:
         return ""
     later = ldexp(best.time, plan.time) * (1.0 + _CLEAR)

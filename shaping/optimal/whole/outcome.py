@@ -114,7 +114,8 @@ def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
     (low, high), ends = limits.position, (start[0], end[0])
     between = max(low, min(ends)), min(high, max(ends))
     pairs = zip(limits.lower, limits.upper, strict=True)
-    plan = planned(start, end, Limits.from_bounds(pairs, position=between), ROUGHLY_RTOL)
+    nearer = Limits.from_bounds(pairs, position=between)
+    plan = planned(start, end, nearer, ROUGHLY_RTOL, effort=_TO_TELL)
     if plan.search.dead_end is not None:
         raise impossible(plan).headed("with a bound of 0 on velocity there is no turning back: ")
 

@@ -142,8 +142,7 @@ class Search:
             problem, coarse[:, -1], rows, self._sizes, near, shrink=margin, effort=self.effort
         )
         found, motion = self._approach(program)
-        reached = found is not None and found.missing <= _NEARLY
-        if reached or self.guide is None:
+        if found is not None and found.missing <= _NEARLY:
             self.guide = motion
         if self.gap > rtol:
             idle = self.lower <= before * (1.0 + 0.02 * rtol)
