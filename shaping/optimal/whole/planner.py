@@ -21,6 +21,7 @@ from .first_time import taylor_chain, taylor_slopes
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
+from .short_ramps import begun
 from .warm_program import EFFORT, Effort
 
 Numbers = tuple[float, ...]
@@ -129,7 +130,10 @@ class Plan:
             return taylor_slopes(search.problem, link)
         if link is None:
             return np.zeros((2, search.problem.order + 1))
-        return link.multipliers.slopes(search.problem, search.lower)
+        found, order = np.zeros((2, search.problem.order + 1)), len(link.multipliers.ends)
+        below = search.problem.below(order)
+        found[:, : order + 1] = link.multipliers.slopes(below, search.lower)
+        return found
 
     def refined(self, rtol: float, effort: Effort | None = None) -> Plan:
         """Return the plan after a longer search."""
@@ -180,9 +184,9 @@ def _planned(
             raise range_error()
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
-        search = Search(inner)
-        effort = share * EFFORT * (_MORE if problem.order >= _HIGH else 1.0)
-        _run(search, rtol, Effort(effort))
+        effort = Effort(share * EFFORT * (_MORE if problem.order >= _HIGH else 1.0))
+        search = begun(inner, rtol, effort)
+        _run(search, rtol, effort)
     return Plan(problem, search, length, time)
 
 
