@@ -70,7 +70,7 @@ def averaged_duration(distance: FloatArray, sides: Sequence[Sides], order: int) 
     low, high = _lower_sides(sides, order)
     duration = np.empty(len(distance))
     core.move_durations(order, np.ascontiguousarray(distance), low, high, duration)
-    width = _width(sides, order)
+    width = least_width(sides, order)
     there = np.isfinite(sides[order - 1][1] - sides[order - 1][0])
     return np.where(there, duration + (len(sides) - order) * width, np.inf)
 
@@ -88,13 +88,13 @@ def averaged_pieces(
     Lengths are zero for pieces that a move does not need; the last state is that at the end.
     """
     lengths, inputs = _lower_pieces(distance, sides, order)
-    width = np.broadcast_to(_width(sides, order), len(distance)).astype(np.longdouble)
-    lengths, inputs = _averaged(lengths, inputs, width, len(sides) - order)
+    width = np.broadcast_to(least_width(sides, order), len(distance)).astype(np.longdouble)
+    lengths, inputs = averaged_inputs(lengths, inputs, width, len(sides) - order)
     return lengths.T, _states(lengths, inputs, len(sides)).transpose(0, 2, 1)
 
 
-def _width(sides: Sequence[Sides], order: int) -> FloatArray:
-    """Return w, the least that keeps all bounds above derivative m."""
+def least_width(sides: Sequence[Sides], order: int) -> FloatArray:
+    """Return w, the least that keeps all bounds above derivative m, those of 1…n given."""
     with np.errstate(all="ignore"):
         range_of = sides[order - 1][1] - sides[order - 1][0]
         widths = [
@@ -131,7 +131,7 @@ def _lower_pieces(
     return lengths.astype(np.longdouble), states[..., order].astype(np.longdouble)
 
 
-def _averaged(
+def averaged_inputs(
     lengths: RealArray, inputs: RealArray, width: RealArray, count: int
 ) -> tuple[RealArray, RealArray]:
     """Return lengths and inputs of the pieces after `count` averages, (K, M) each."""

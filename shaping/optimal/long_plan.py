@@ -149,7 +149,9 @@ def _planned(
     motion = ended(_motion(onto).shift(start[0]).then(ridden, dwell=dwell), end)
     if limits.bounds_position and motion.violation(limits) > _ROUNDING:
         return None
-    return LongPlan(motion, _proven(start, end, limits, _reach(onto), _reach(off)))
+    order = min(_proving_order(onto), _proving_order(off))
+    ahead = _reach(onto, order), _reach(off, order)
+    return LongPlan(motion, _proven(start[:order], end[:order], limits, *ahead))
 
 
 def _backwards(limits: Limits) -> Limits:
@@ -219,20 +221,28 @@ def _motion(plan: Plan) -> Trajectory:
     return plan.trajectory
 
 
-def _reach(plan: Plan) -> _Reach:
+def _proving_order(plan: Plan) -> int:
+    """Return up to which derivative the bounds count in the last link of a plan's proof."""
+    link = plan.search.chain[-1] if plan.search.chain else None
+    return len(link.multipliers.ends) if isinstance(link, Excluded) else plan.problem.order
+
+
+def _reach(plan: Plan, order: int) -> _Reach:
     """Return how far a ramp comes at most, by what multipliers of its plan tell most.
 
-    Those of a velocity held all along tell the least.
+    Bounds above derivative `order` do not count. Multipliers of a velocity held all along tell the
+    least.
     """
-    search, n, one = plan.search, plan.problem.order, np.ones(1)
-    held = Multipliers(one, np.eye(n)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
+    problem, one = plan.search.problem.below(order), np.ones(1)
+    held = Multipliers(one, np.eye(order)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
+    excluded = [link.multipliers for link in plan.search.chain if isinstance(link, Excluded)]
     found = [
-        _cut(link.multipliers, share, search.problem)
-        for link in search.chain[-_LAST:]
+        _cut(each, share, problem)
+        for each in [each for each in excluded if len(each.ends) == order][-_LAST:]
         for share in _CUTS
-        if isinstance(link, Excluded) and link.multipliers.ends[0] > 0.0
+        if each.ends[0] > 0.0
     ]
-    reaches = [_reach_by(each, length, plan) for each, length in (*found, (held, 1.0))]
+    reaches = [_reach_by(*each, problem, plan) for each in (*found, (held, 1.0))]
     speed = float(plan.problem.upper[1])
     return min(reaches, key=lambda each: float(each.terms.sum()) - speed * each.time)
 
@@ -257,11 +267,11 @@ def _cut(given: Multipliers, share: float, problem: WholeProblem) -> tuple[Multi
     return Multipliers(given.cells[:count] / length, ends, atoms, densities), length
 
 
-def _reach_by(multipliers: Multipliers, length: float, plan: Plan) -> _Reach:
-    search, n, time = plan.search, plan.problem.order, plan.search.lower * length
+def _reach_by(multipliers: Multipliers, length: float, problem: WholeProblem, plan: Plan) -> _Reach:
+    n, time = problem.order, plan.search.lower * length
     costate, powers = multipliers.costate(), time ** np.arange(n + 1.0)
-    terms = -multipliers.polynomial(search.problem, costate) * powers
-    terms[0] += search.problem.end[0]
+    terms = -multipliers.polynomial(problem, costate) * powers
+    terms[0] += problem.end[0]
     masses = np.zeros((2, n + 1))
     masses[:, :n] = multipliers.masses()
     masses[:, n] = costate.negative.sum(), costate.positive.sum()
@@ -275,8 +285,11 @@ def _reach_by(multipliers: Multipliers, length: float, plan: Plan) -> _Reach:
 
 
 def _proven(start: Numbers, end: Numbers, limits: Limits, onto: _Reach, off: _Reach) -> Proven:
-    """Return the bound of ramps and a cruise between them, for a motion forwards."""
-    n, distance, bound = limits.order, end[0] - start[0], limits.bounds(1)[1]
+    """Return the bound of ramps and a cruise between them, for a motion forwards.
+
+    As many bounds count as the states have derivatives.
+    """
+    n, distance, bound = len(start), end[0] - start[0], limits.bounds(1)[1]
     terms = onto.terms + off.terms
     cruise = (distance - float(terms.sum())) / bound
     time = onto.time + cruise + off.time

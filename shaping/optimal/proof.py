@@ -39,7 +39,7 @@ class CostateLink:
     cells : tuple of N floats
         Lengths of the grid's cells; their sum stands for the duration.
     ends : tuple of n floats
-        λ_k.
+        λ_k; of fewer where the bounds on derivatives up to their number alone exclude.
     atoms : tuple of (k, N floats)
         Of μ_k at the cells' right ends.
     densities : tuple of (k, rows)

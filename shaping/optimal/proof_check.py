@@ -130,13 +130,14 @@ def _reach(proof: Proof, ramp: Ramp) -> Row:
 
 def _costate_polynomial(proof: Proof, link: CostateLink) -> Row:
     """Return the coefficients of c(T); none where the multipliers use a bound that is not there."""
-    held = _held(link, len(proof.start))
+    n = min(len(link.ends), len(proof.start))
+    held = _held(link, n)
     if held is None:
         return []
     states = [
         Fraction(final) * Fraction(end) - first * Fraction(start)
         for final, end, first, start in zip(
-            link.ends, proof.end, held.first, proof.start, strict=True
+            link.ends, proof.end[:n], held.first, proof.start[:n], strict=True
         )
     ]
     return _polynomial(proof, held, states)

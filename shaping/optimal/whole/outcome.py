@@ -271,5 +271,5 @@ def _violated(plan: Plan, link: CostateLink) -> tuple[int, int]:
                 found.append((k, sign, float(part.sum()) * size * link.low**k))
     most = max((weight for *_, weight in found), default=inf)
     notable = ((k, sign) for k, sign, weight in sorted(found) if weight >= _NOTABLE * most)
-    k, sign = next(notable, (problem.order, 1))
+    k, sign = next(notable, (len(link.ends), 1))
     return k, -sign if link.free == "end" and k % 2 else sign

@@ -21,6 +21,7 @@ from .first_time import taylor_chain, taylor_slopes
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
+from .short_ramps import begun
 from .warm_program import EFFORT, Effort
 
 Numbers = tuple[float, ...]
@@ -128,7 +129,10 @@ class Plan:
             return taylor_slopes(search.problem, link)
         if link is None:
             return np.zeros((2, search.problem.order + 1))
-        return link.multipliers.slopes(search.problem, search.lower)
+        found, order = np.zeros((2, search.problem.order + 1)), len(link.multipliers.ends)
+        below = search.problem.below(order)
+        found[:, : order + 1] = link.multipliers.slopes(below, search.lower)
+        return found
 
     def refined(self, rtol: float, effort: Effort | None = None) -> Plan:
         """Return the plan after a longer search."""
@@ -186,8 +190,9 @@ def _planned(
             raise range_error()
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
-        search = Search(inner)
-        _run(search, rtol, Effort(effort))
+        most = Effort(effort)
+        search = begun(inner, rtol, most)
+        _run(search, rtol, most)
     return Plan(problem, search, length, time)
 
 

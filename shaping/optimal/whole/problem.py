@@ -56,6 +56,14 @@ class WholeProblem:
         ways = [self.end[0] - self.start[0], *self.start[1:], *self.end[1:]]
         return next((bool(way < 0.0) for way in ways if way), False)
 
+    def below(self, order: int) -> WholeProblem:
+        """Return the problem without the derivatives above `order`: what it excludes is excluded.
+
+        The derivative of that order may jump.
+        """
+        sides = self.lower[: order + 1], self.upper[: order + 1]
+        return WholeProblem(self.start[:order], self.end[:order], *sides)
+
     def mirrored(self) -> WholeProblem:
         """Return the problem of the opposite direction."""
         return WholeProblem(-self.start, -self.end, -self.upper, -self.lower)

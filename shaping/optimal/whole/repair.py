@@ -17,8 +17,9 @@ SAME = 2e-6
 
 _ROUGH = 1e-9  # the same where merging so spoils the end
 _CORRECTIONS = 4
-_MISSED = 1e-14  # of each derivative's size: the end state is exact
-_EXCESS = 1e-13  # of a bound's size: rounding
+MISSED = 1e-14  # of each derivative's size: the end state is exact
+EXCESS = 1e-13  # of a bound's size: rounding
+ROUNDING = 1e-17  # of a derivative's size, in extended precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,18 +71,18 @@ def _repaired(problem: WholeProblem, motion: Sampled, same: float) -> Repaired |
     durations: RealArray = lengths.astype(np.longdouble) * time
     inputs: RealArray = levels.astype(np.longdouble) / np.longdouble(time) ** n
     sizes = motion.sizes(problem)[:n] / time ** np.arange(n)
-    effects = _effects(durations, n) / sizes[:, None].astype(np.longdouble)
-    inverse = np.linalg.pinv(np.asarray(effects, float))
+    of_inputs = effects(durations, n) / sizes[:, None].astype(np.longdouble)
+    inverse = np.linalg.pinv(np.asarray(of_inputs, float))
     for _ in range(_CORRECTIONS):
         states = propagated(problem.start, durations, inputs)
         missed = (problem.end - states[:n, -1]) / sizes
-        if np.abs(missed).max() <= _MISSED:
+        if np.abs(missed).max() <= MISSED:
             break
         inputs = inputs + inverse @ missed
     else:
         return None
     found = Repaired(durations, states, time)
-    return found if excess(problem, found) <= _EXCESS else None
+    return found if excess(problem, found) <= EXCESS else None
 
 
 def joined(motion: Sampled, same: float) -> tuple[FloatArray, FloatArray]:
@@ -93,18 +94,29 @@ def joined(motion: Sampled, same: float) -> tuple[FloatArray, FloatArray]:
     return lengths, np.add.reduceat(cells * motion.inputs, first) / lengths
 
 
-def propagated(start: FloatArray, durations: RealArray, inputs: RealArray) -> RealArray:
-    """Return x^(k) at every piece's start and at the end, k = 0 … n, shape (n + 1, m + 1)."""
+def propagated(
+    start: FloatArray | RealArray,
+    durations: RealArray,
+    inputs: RealArray,
+    *,
+    still: int | None = None,
+) -> RealArray:
+    """Return x^(k) at every piece's start and at the end, k = 0 … n, shape (n + 1, m + 1).
+
+    Of derivatives above `still` what is rounding is zero.
+    """
     n = len(start)
     states: RealArray = np.zeros((n + 1, len(durations) + 1), dtype=np.longdouble)
     states[n, :-1] = inputs
     for k in range(n - 1, -1, -1):
         rise = sum(states[k + i, :-1] * durations**i / factorial(i) for i in range(1, n - k + 1))
         states[k] = start[k] + np.concatenate([[0.0], np.cumsum(rise)])
+        if still is not None and k > still:
+            states[k, np.abs(states[k]) <= ROUNDING * np.abs(states[k]).max()] = 0.0
     return states
 
 
-def _effects(durations: RealArray, n: int) -> RealArray:
+def effects(durations: RealArray, n: int) -> RealArray:
     """Return what a unit input on each piece makes of the end state, (n, m)."""
     after = np.append(np.cumsum(durations[::-1])[::-1], 0.0)
     rows = [(after[:-1] ** m - after[1:] ** m) / factorial(m) for m in range(n, 0, -1)]
