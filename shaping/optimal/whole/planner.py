@@ -17,7 +17,9 @@ from ..proof import CostateLink, Link, Proof, Slopes, TaylorLink
 from . import search as searching
 from .by_rest import grid_by_rest
 from .costate import Multipliers
+from .detour import detour
 from .first_time import taylor_chain, taylor_slopes
+from .flight import near_flight
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
@@ -181,8 +183,12 @@ def _planned(
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         search = Search(inner)
+        if 0.0 < search.lower < inf:
+            search.best = near_flight(inner, search.lower)
         effort = share * EFFORT * (_MORE if problem.order >= _HIGH else 1.0)
         _run(search, rtol, Effort(effort))
+        if search.best is None and search.lower < inf and search.dead_end is None:
+            search.best = detour(inner, search.lower)
     return Plan(problem, search, length, time)
 
 

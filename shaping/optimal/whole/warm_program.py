@@ -117,7 +117,8 @@ class WarmProgram:
         iterations = self._highs.getInfo().simplex_iteration_count
         known = iterations >= 0  # not where it fails, which takes longest
         self._effort.left -= ((iterations if known else limit) + _OVERHEAD) * size
-        return self._ended("kOptimal") or self._ended("kUnknown")
+        taken = self._highs.getNumRow() == len(self.rows)  # not where rows were refused
+        return taken and (self._ended("kOptimal") or self._ended("kUnknown"))
 
     def _ended(self, status: str) -> bool:
         return str(self._highs.getModelStatus()).endswith(status)
