@@ -12,11 +12,10 @@ from ..limits import Limits
 from ..pieces import FloatArray
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .course import Course
-from .legs import PlannedLegs, States, at_rest, planned, run_out, run_up
+from .legs import PlannedLegs, at_rest, planned, run_out, run_up
 from .nearest import approaches
-from .program import approximations, stretched
 from .route import Route
-from .settled import settled
+from .stretches import Between
 
 _REACHES = (1.0, 0.7, 0.4, 0.2)  # shares of the tolerance from which corners are cut
 _ROUNDING = 1e-9
@@ -33,55 +32,32 @@ class Found(NamedTuple):
 def fastest_over(course: Course, corner: float) -> Found:
     """Return the fastest motion over a course that is found, at the slowest with stops."""
     uncut = course.route(corner, 0.0)
-    best = _joined(course, uncut, _fastest(uncut, course.limits))
+    best = _joined(course, uncut, _fastest(uncut, course.limits, corner))
     for reach in _REACHES if corner else ():
         route = course.route(corner, corner * reach)
         if not route.blends:
             break
-        legs = _fastest(route, course.limits)
+        legs = _fastest(route, course.limits, corner)
         found = _joined(course, route, legs)
         if _near(found, route, corner):
             return min(best, found, key=lambda each: each.axes[0].end_time)
     return best
 
 
-def _fastest(route: Route, limits: tuple[Limits, ...]) -> PlannedLegs:
+def _fastest(route: Route, limits: tuple[Limits, ...], corner: float) -> PlannedLegs:
     """Return the legs planned as fast as is found, each stretch between fixed nodes for itself."""
-    states = at_rest(route, max(one.order for one in limits))
-    legs = planned(route.legs, states, limits)
-    for first, last in route.stretches():
-        better = _improved(route, first, last, states, legs, limits)
-        legs = legs.with_part(first, better)
-    return legs
-
-
-def _improved(
-    route: Route,
-    first: int,
-    last: int,
-    states: States,
-    stopping: PlannedLegs,
-    limits: tuple[Limits, ...],
-) -> PlannedLegs:
-    """Return the legs of a stretch, at the slowest as they are with stops."""
-    best = stopping.part(first, last)
-    nodes, legs = route.nodes[first : last + 1], route.legs[first:last]
-    stretch = stretched(nodes, legs, limits, best.durations)
-    if any(one.order > 3 or not one.plain for one in limits):
-        found_legs = settled(stretch, best.durations, states[first], states[last])
-        return best if found_legs is None else min(best, found_legs, key=_duration)
-    for found in approximations(stretch, best.durations):
-        found[0], found[-1] = states[first], states[last]
-        try:
-            legs_found = planned(legs, found, limits)
-        except ValueError:  # rounding has left the bounds, or no common duration
-            continue
-        best = min(best, legs_found, key=_duration)
-    return best
-
-
-def _duration(legs: PlannedLegs) -> float:
-    return legs.duration
+    states = at_rest(route.nodes, max(one.order for one in limits))
+    parts: list[PlannedLegs] = []
+    at = 0
+    for first, last in [*route.stretches(), (len(route.legs), len(route.legs))]:
+        parts.append(planned(route.legs[at:first], states[at : first + 1], limits))
+        if first < last:
+            nodes, ways = route.nodes[first : last + 1], route.legs[first:last]
+            blends = {leg - first: (x, corner) for x, leg in route.blends if first <= leg < last}
+            stretch = Between(nodes, ways, states[first], states[last], blends)
+            parts.append(stretch.fastest(limits))
+        at = last
+    return PlannedLegs.joined(parts)
 
 
 def _joined(course: Course, route: Route, legs: PlannedLegs) -> Found:

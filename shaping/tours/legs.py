@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from ..transfers.axes import planned_motion
 from ..transfers.infeasible import InfeasibleError
 from ..transfers.problem import Transfer
 from ..transfers.synchronize import synchronize
-from .route import Leg, Route, reach_along
+from .route import Leg, Node, reach_along
 
 _ROUNDING = 1e-12
 
@@ -35,23 +36,19 @@ class PlannedLegs:
         """Of all together."""
         return sum(self.durations)
 
-    def part(self, first: int, last: int) -> PlannedLegs:
-        """Return the legs from one to before another."""
-        return PlannedLegs(self.durations[first:last], self.motions[first:last])
-
-    def with_part(self, first: int, other: PlannedLegs) -> PlannedLegs:
-        """Return the legs with others in the place of some."""
-        last = first + len(other.durations)
-        return PlannedLegs(
-            (*self.durations[:first], *other.durations, *self.durations[last:]),
-            (*self.motions[:first], *other.motions, *self.motions[last:]),
+    @classmethod
+    def joined(cls, parts: Sequence[PlannedLegs]) -> PlannedLegs:
+        """Return all legs in a row."""
+        return cls(
+            tuple(lasts for part in parts for lasts in part.durations),
+            tuple(leg for part in parts for leg in part.motions),
         )
 
 
-def at_rest(route: Route, order: int) -> States:
+def at_rest(nodes: Sequence[Node], order: int) -> States:
     """Return the states of nodes at which nothing moves that is free to."""
     states = []
-    for node in route.nodes:
+    for node in nodes:
         state = np.zeros((order, len(node.place)))
         state[0], state[1] = node.place, node.velocity
         states.append(state)
@@ -68,7 +65,9 @@ def planned(
     ValueError
         For states between which a leg has no motion within its bounds.
     """
-    motions = tuple(_told(leg, states[i], states[i + 1], limits) for i, leg in enumerate(legs))
+    with warnings.catch_warnings():  # of how near a leg is to its minimum: the whole has no proof
+        warnings.filterwarnings("ignore", "this motion takes at most|nothing is proven")
+        motions = tuple(_told(leg, states[i], states[i + 1], limits) for i, leg in enumerate(legs))
     return PlannedLegs(tuple(max(m.duration for m in leg) for leg in motions), motions)
 
 

@@ -11,20 +11,32 @@ from ..optimal.whole.maps import functional_rows, hull_functionals, node_states
 from ..pieces import FloatArray
 
 _FEWEST = 8
+_ON_RAMPS = 6
+_BEYOND = 1.2  # times the ramps' time: how far their cells go
+_SHORT = 0.4  # of the leg: where they are short
+_MIDDLE = 0.45
 _APART = 1e-3  # of the range: inputs that differ
 _SHORTEST = 2e-3  # of the leg: a cell that is not cut
 _SLIVER = 0.05  # of a cell: a switch nearer to its end is there
 
 
-def first_cells(n: int) -> FloatArray:
+def first_cells(n: int, ramps: float) -> FloatArray:
     """Return the edges of the mesh to begin with, on whose cells derivative n is constant.
 
-    They are equal; from order 4 on, where no exact plan follows, those at both ends are cut twice:
-    ramps may be short.
+    They are equal, or where `ramps`, a share of the leg, are short, along these at both ends and
+    longer and longer between; from order 4 on, where no exact plan follows, those at both ends
+    are cut twice.
     """
-    edges = np.linspace(0.0, 1.0, max(_FEWEST, 2 * n) + 1)
+    reach = _BEYOND * ramps
+    if reach < _SHORT:
+        edges = np.linspace(0.0, reach, _ON_RAMPS + 1)
+        doubled = reach * 2.0 ** np.arange(1, 60)
+        edges = np.append(edges, doubled[doubled < _MIDDLE])
+    else:
+        edges = np.linspace(0.0, 1.0, max(_FEWEST, 2 * n) + 1)
     short = edges[1] * np.array([0.25, 0.5] if n > 3 else [])
-    return np.union1d(edges, np.concatenate([short, 1.0 - short]))
+    half = np.append(edges[edges <= 0.5], short)
+    return np.union1d(half, 1.0 - half)
 
 
 def mesh_rows(n: int, edges: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:

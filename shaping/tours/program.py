@@ -11,6 +11,7 @@ import numpy as np
 from ..limits import Limits
 from ..pieces import FloatArray
 from .legs import States
+from .long_ways import ramp_time
 from .mesh import finer, first_cells
 from .route import Leg, Node, reach_along
 from .sparse_rows import Columns, SparseRows
@@ -103,7 +104,7 @@ def approximations(stretch: Stretch, durations: Sequence[float]) -> Iterator[Sta
     the states at the nodes, h^r·s, are linearised. Only the stages that no longer move the
     places, and hardly the durations, are given.
     """
-    program = Program(stretch)
+    program = Program(stretch, durations)
     last = program.first(durations)
     for stage in COARSE + FINE:
         found = program.solve(last, stage)
@@ -126,7 +127,7 @@ class Program:
         Edges of the cells of every motion, leg after leg.
     """
 
-    def __init__(self, stretch: Stretch) -> None:
+    def __init__(self, stretch: Stretch, durations: Sequence[float]) -> None:
         self.stretch = stretch
         n, axes = stretch.order, len(stretch.limits)
         self._first = [0]
@@ -135,7 +136,11 @@ class Program:
             self._first.append(self._first[-1] + count)
         self.inputs = self._first[-1]
         self._cells = len(stretch.legs) + self.inputs
-        self.meshes = [first_cells(one.order) for leg in stretch.legs for one in leg.limits]
+        self.meshes = [
+            first_cells(one.order, ramp_time(one) / lasts)
+            for leg, lasts in zip(stretch.legs, durations, strict=True)
+            for one in leg.limits
+        ]
 
     def first(self, durations: Sequence[float]) -> Iterate:
         """Return what to begin with: durations, and a stop at every node."""

@@ -66,9 +66,19 @@ class Route:
     blends: tuple[tuple[FloatArray, int], ...] = ()
 
     def stretches(self) -> list[tuple[int, int]]:
-        """Return the first and last node of each part with something free between them."""
+        """Return the first and last node of each part with something free between them.
+
+        Or where an end moves that is not one of a scan between them.
+        """
         fixed = [i for i, node in enumerate(self.nodes) if not node.ways.size]
-        return [(i, j) for i, j in itertools.pairwise(fixed) if j > i + 1]
+        return [
+            (i, j)
+            for i, j in itertools.pairwise(fixed)
+            if j > i + 1 or (self.legs[i].kind == "free" and self._move(i, j))
+        ]
+
+    def _move(self, *nodes: int) -> bool:
+        return any(self.nodes[i].velocity.any() for i in nodes)
 
 
 def reach_along(

@@ -31,7 +31,7 @@ def settled(
     refined where inputs switch; of these durations the motions are then found exactly, each with
     a small share of its highest bound.
     """
-    program = Program(stretch)
+    program = Program(stretch, durations)
     at = program.first(durations)
     for stage in COARSE:
         at = program.solve(at, stage._replace(margin=0.0)) or at

@@ -182,7 +182,7 @@ def test_a_leg_between_scans_is_planned_between_moving_states_within_stops():
     path = through([0.1, 0.9, 0.7, 0.1], limits, scan={0: 0.3, 2: 0.3})
     assert path.violation(limits) <= 1e-9
     turn = min_time_transfer((0.9, 0.3), (0.7, -0.3), limits).duration
-    assert path.times[2] - path.times[1] == pytest.approx(turn, rel=1e-9)
+    assert turn * (1.0 - 1e-4) <= path.times[2] - path.times[1] <= turn * (1.0 + 1e-9)
 
 
 @pytest.mark.slow

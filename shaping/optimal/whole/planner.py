@@ -17,7 +17,9 @@ from ..proof import CostateLink, Link, Proof, Slopes, TaylorLink
 from . import search as searching
 from .by_rest import grid_by_rest
 from .costate import Multipliers
+from .detour import detour
 from .first_time import taylor_chain, taylor_slopes
+from .flight import near_flight
 from .problem import WholeProblem, power_of_two
 from .repair import Repaired
 from .search import Search
@@ -192,7 +194,11 @@ def _planned(
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         most = Effort(effort)
         search = begun(inner, rtol, most)
+        if search.best is None and 0.0 < search.lower < inf:
+            search.best = near_flight(inner, search.lower)
         _run(search, rtol, most)
+        if search.best is None and search.lower < inf and search.dead_end is None:
+            search.best = detour(inner, search.lower)
     return Plan(problem, search, length, time)
 
 

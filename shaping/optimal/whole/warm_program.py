@@ -136,7 +136,7 @@ class WarmProgram:
         elif not well and not self._ended("kInfeasible"):
             iterations *= _TROUBLE
         self._effort.left -= (iterations + _OVERHEAD) * size
-        return well
+        return well and self._highs.getNumRow() == len(self.rows)  # none of them refused
 
     def _ended(self, status: str) -> bool:
         return str(self._highs.getModelStatus()).endswith(status)

@@ -1,0 +1,107 @@
+"""The fastest legs that are found between two nodes at which all is fixed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+from ..limits import Limits
+from ..pieces import FloatArray
+from .legs import PlannedLegs, States, at_rest, planned
+from .long_ways import cut, longest, put_back
+from .program import approximations, stretched
+from .route import Leg, Node
+from .settled import settled
+from .smoothed import Averaging, smoothed
+
+_FAR = 25.0  # times its ramps: a leg too long for programs over all of it
+_LONG = 8.0  # the same of a single leg, which a search over all of it may not find
+_HARDLY = 3e-3  # of the duration: what programs may gain that are not tried
+
+
+@dataclass(frozen=True, eq=False)
+class Between:
+    """A stretch of a route.
+
+    Attributes
+    ----------
+    nodes, legs : sequence of Node, Leg
+    start, end : (order, axes) arrays
+        States at its ends.
+    blends : mapping of int to (place, corner)
+        Of the legs around corners by their numbers, the corner and how far they may be from it.
+    """
+
+    nodes: Sequence[Node]
+    legs: Sequence[Leg]
+    start: FloatArray
+    end: FloatArray
+    blends: Mapping[int, tuple[FloatArray, float]]
+
+    def fastest(self, limits: Sequence[Limits]) -> PlannedLegs:
+        """Return the fastest legs found, at the slowest those with stops."""
+        if all(one.order <= 3 and one.plain for one in limits):
+            return self._exactly(limits).best
+        by, smooth = Averaging.to(limits), None
+        if by is not None:
+            before = replace(self, legs=by.before(self.legs))
+            exact = before._exactly(by.limits)
+            smooth = smoothed(before.legs, exact.states, limits, by, self.blends)
+            long = longest(before.legs, exact.best.durations) > _LONG
+            near = smooth is not None and smooth.duration <= exact.enough
+            if smooth is not None and near and (long or len(self.legs) > 1):
+                return smooth
+        try:
+            stops = planned(self.legs, self._stops, limits)
+        except ValueError:  # not found, between moving states
+            if smooth is None:
+                raise
+            return smooth
+        if len(self.legs) == 1 or longest(self.legs, stops.durations) > _FAR:
+            return min(stops, smooth or stops, key=_duration)
+        stretch = stretched(self.nodes, self.legs, limits, stops.durations)
+        found = smooth, settled(stretch, stops.durations, self.start, self.end)
+        return min([stops, *(each for each in found if each is not None)], key=_duration)
+
+    def _exactly(self, limits: Sequence[Limits]) -> _Exact:
+        """Return the fastest legs planned exactly at orders 2 and 3, and the states between."""
+        states = self._stops
+        best = stops = planned(self.legs, states, limits)
+        nodes, durations = cut(self.nodes, self.legs, best.durations)
+        stretch = stretched(nodes, self.legs, limits, durations)
+        for found in approximations(stretch, durations):
+            found = self._with_ends(put_back(found, nodes, self.nodes))
+            try:
+                legs = planned(self.legs, found, limits)
+            except ValueError:  # rounding has left the bounds, or no common duration
+                continue
+            if legs.duration < best.duration:
+                best, states = legs, found
+        return _Exact(best, states, stops.duration if len(self.legs) > 1 else inf)
+
+    def _with_ends(self, states: States) -> States:
+        return [self.start, *states[1:-1], self.end]
+
+    @property
+    def _stops(self) -> States:
+        """States at the nodes with nothing in motion that is free to."""
+        return [self.start, *at_rest(self.nodes[1:-1], len(self.start)), self.end]
+
+
+@dataclass(frozen=True, eq=False)
+class _Exact:
+    """The fastest legs, the states at their nodes, and how long they take with stops, if any."""
+
+    best: PlannedLegs
+    states: States
+    stopping: float
+
+    @property
+    def enough(self) -> float:
+        """Duration at a higher order: below any with stops, with next to nothing to gain."""
+        return min(self.best.duration * (1.0 + _HARDLY), self.stopping)
+
+
+def _duration(legs: PlannedLegs) -> float:
+    return legs.duration
