@@ -48,6 +48,7 @@ _WAIT = 3e-8  # of the duration: a step on where the repair fails
 _LEAP = 4.0  # times the duration: no step on is longer, as scales are those of the first
 _NEAR = 0.12  # of the range: rows that a program starts with
 _DOUBTFUL = 3  # rounds after which, without a motion, start and end are looked at
+_LOOK = 5e8  # effort that this may take in any case
 _FAR = 3.0  # times the duration that a round starts with: how far it goes without a motion
 _TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
@@ -118,11 +119,18 @@ class Search:
             self._round(rtol)
             self.rounds += 1
             if self.rounds <= _DOUBTFUL and self.best is None:
-                self.dead_end = dead_end(self.problem, self.lower, self.effort)
+                self._look_for_dead_end()
             stuck = self.best is None and self.lower > _TOO_LONG * first
             ended = len(self.nodes) > _MOST_CELLS or self.effort.left <= 0.0
             if self.dead_end is not None or stuck or ended:
                 return
+
+    def _look_for_dead_end(self) -> None:
+        """Look for one, once more where a program has just spent all effort."""
+        most = max(self.effort.left, _LOOK)
+        effort = Effort(most)
+        self.dead_end = dead_end(self.problem, self.lower, effort)
+        self.effort.left -= most - effort.left
 
     def _round(self, rtol: float) -> None:
         problem, n = self.problem, self.problem.order

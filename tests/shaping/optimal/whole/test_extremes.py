@@ -59,7 +59,7 @@ def test_a_search_ends_when_its_effort_is_spent():
 
 
 def test_a_plan_takes_no_more_than_the_effort_it_is_given():
-    problem = random_problem(0, 4)
+    problem = random_problem(0, 4, moving=False)
     plan = planned(problem.start, problem.end, problem.limits, effort=2e5)
     assert -1e6 < plan.search.effort.left <= 0.0
     assert plan.search.gap > 1e-4
