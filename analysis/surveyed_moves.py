@@ -19,12 +19,12 @@ from ..shaping.pieces import FloatArray
 from ..shaping.told import Told
 from .disturbances import Disturbances
 from .frequency_view import residual_vibration
+from .named_warnings import warned_of
 from .planned_moves import planned
 from .sampling import clock_for, followed, thinned
 from .specification import Mode, Move
 from .step_response import KEPT
 from .surveyed_loop import Poles, followed_until, is_ideal, shown_times
-from .warned import warned_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

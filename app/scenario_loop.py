@@ -10,8 +10,8 @@ from math import isfinite
 from typing import Any
 
 from ..analysis.measured import MeasuredResponse
+from ..analysis.named_warnings import warned_of
 from ..analysis.tuning import tune_pid
-from ..analysis.warned import warned_of
 from ..plant import (
     PID,
     Axis,

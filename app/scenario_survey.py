@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..analysis.loop_survey import Survey, survey
+from ..analysis.named_warnings import warned_of
 from ..analysis.unstable_loop import UnstableLoopError
-from ..analysis.warned import warned_of
 from .scenario import Scenario, as_scenario
 from .scenario_commands import moves_of, survey_conditions
 from .scenario_loop import filters_told, jerk_filter_of, servo_loop_of
