@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from . import cli
 from .common_options import AS_JSON, OVERRIDES, QUIET
 from .exit_status import BAD_INPUT, CHECK_FAILED
+from .one_thread import calculate_in_one_thread
 from .standard_input import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -100,6 +101,7 @@ def check_command(
     With --sweep so must be what varies. Its numbers and bounds lie beside the sweep file, in
     SWEEP.baseline.json and SWEEP.check.toml.
     """
+    calculate_in_one_thread()
     from .gate.ci_reports import BadInput, github_error, tally
     from .gate.scenario_files import scenario_files
     from .overrides import read_overrides

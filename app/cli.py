@@ -5,7 +5,7 @@ A command's module is imported when the command is asked for.
 
 from __future__ import annotations
 
-from argparse import BooleanOptionalAction
+from argparse import ArgumentTypeError, BooleanOptionalAction
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -19,6 +19,22 @@ from .cli_parser import Parser
 _HELP = "Show this message and exit."
 _VERSION = "Print the version and exit."
 _KINDS = {str: "TEXT", int: "INTEGER", Path: "PATH", bool: ""}
+
+
+def _whole_number(word: str) -> int:
+    try:
+        return int(word)
+    except ValueError:
+        raise ArgumentTypeError(f"{word!r}: expected a whole number, such as 2") from None
+
+
+def _path(word: str) -> Path:
+    if not word.strip():  # as of a variable of the shell that is not set
+        raise ArgumentTypeError(f"{word!r}: expected the path of a file or folder")
+    return Path(word)
+
+
+_READ: dict[Any, Callable[[str], Any]] = {int: _whole_number, Path: _path}
 
 
 @dataclass(frozen=True)
@@ -74,7 +90,8 @@ class Parameter:
             how["action"] = BooleanOptionalAction if self.off else "store_true"
         else:
             choices = self.choices
-            how["type"] = (lambda word: choices.get(word, word)) if choices else self.kind
+            read = _READ.get(self.kind, self.kind)
+            how["type"] = (lambda word: choices.get(word, word)) if choices else read
             how["choices"] = list(choices) or None
         if not self.names:
             group.add_argument(

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 from . import cli
 from .common_options import AS_JSON, QUIET, SCENARIO
+from .one_thread import calculate_in_one_thread
 from .printing import print_parts
-
-_ONE_THREAD = ("OPENBLAS", "MKL", "OMP")
-"""Of libraries whose second thread waits for a core that the browser has: margins take thrice."""
 
 
 def explore_command(
@@ -30,8 +27,7 @@ def explore_command(
     _: QUIET = False,
 ) -> None:
     """Open a page to shape a scenario's loop and moves in; it ends with the page, or Ctrl-C."""
-    for library in _ONE_THREAD:  # read when numpy is first imported
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    calculate_in_one_thread()  # a second one waits for the browser's core: margins take thrice
     from .explorer.serving import serve_scenario
 
     def started(address: str) -> None:

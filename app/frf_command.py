@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import cli
 from .common_options import QUIET
 from .exit_status import CHECK_FAILED
+from .one_thread import calculate_in_one_thread
 from .printing import print_parts
 from .standard_input import file_of
 
@@ -58,6 +59,7 @@ def frf_command(
     _: QUIET = False,
 ) -> None:
     """Print the margins of a measured loop with error bars; exit status 1 if it is unstable."""
+    calculate_in_one_thread()
     from ..analysis.measured import measured_margins, read_frf
     from ..analysis.measured_tables import margins_report
     from .fmu_options import seconds

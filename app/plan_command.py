@@ -190,7 +190,10 @@ def _limit(text: str) -> tuple[int, str]:
     name, separator, quantity = text.partition("=")
     if not separator:
         raise ValueError(f'--limit {text!r}: expected DERIVATIVE=QUANTITY, such as "7=2e4 deg/s^7"')
-    return derivative_key(name), quantity
+    try:
+        return derivative_key(name), quantity
+    except ValueError as error:
+        raise ValueError(f"--limit {text!r}: {error}") from None
 
 
 def _write_plan(plan: Plan, csv: Path | None, plot: Path | None) -> None:

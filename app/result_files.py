@@ -10,7 +10,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from errno import EISDIR
+from errno import EISDIR, ENOTDIR
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,8 +64,9 @@ def write_survey(
     list of Path
         The files: survey.json, survey.png, step.csv, one move_*.csv per move (each with at most
         4000 of the samples that the figures in survey.json are taken from), and of what was asked
-        for disturbance.csv, one tracking_*.csv per command, details.png and PDFs. Of a measured
-        loop survey.json and its picture.
+        for disturbance.csv, one tracking_*.csv per command, details.png and PDFs. Responses have
+        a column of the motor's current, behind the current loop, where the torque constant is
+        known. Of a measured loop survey.json and its picture.
 
     Raises
     ------
@@ -129,9 +130,8 @@ def _write_pages(pages: Mapping[str, Figure], draft: Path, *, pdf: bool) -> list
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[float]]) -> None:
     """Write one CSV file, floats in full precision."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows([repr(float(value)) for value in row] for row in rows)
+        csv.writer(file).writerow(header)
+        file.writelines(",".join(map(repr, map(float, row))) + "\r\n" for row in rows)
 
 
 def save_figure(figure: Figure, path: Path) -> None:
@@ -210,6 +210,8 @@ def _refuse_other_than_files(path: Path) -> None:
 def _all_or_nothing(folder: Path) -> Iterator[Path]:
     """Yield an empty draft folder whose files move into `folder` once all are written."""
     made = [p for p in (folder, *folder.parents) if not p.exists()]
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR), str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder))
     try:
@@ -240,6 +242,8 @@ def _write_move(survey: ScenarioSurvey, move: MoveSurvey, path: Path) -> None:
         columns[f"position_{label}_{unit}"] = result.response.position / scale
         columns[f"error_{label}_{unit}"] = result.response.error / scale
         columns[f"torque_{label}"] = result.response.torque
+        if survey.loop.axis.torque_constant is not None:
+            columns[f"current_{label}_A"] = result.response.current
         if not survey.is_ideal:
             columns[f"load_{label}_{unit}"] = result.response.load / scale
     _write_csv(path, list(columns), list(columns.values()))
@@ -259,10 +263,14 @@ def _write_response(survey: ScenarioSurvey, response: LoopResponse, path: Path) 
     columns = {
         "time_s": response.time,
         f"command_{unit}": response.command / scale,
+        f"position_{unit}": response.position / scale,
+        f"error_{unit}": response.error / scale,
         f"load_{unit}": response.load / scale,
         f"load_error_{unit}": response.load_error / scale,
         "torque": response.torque,
     }
+    if survey.loop.axis.torque_constant is not None:
+        columns["current_A"] = response.current
     _write_csv(path, list(columns), list(columns.values()))
 
 

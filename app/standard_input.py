@@ -50,7 +50,14 @@ def file_of(path: Path, what: str) -> Iterator[Path]:
     with TemporaryDirectory(prefix="jounce-") as folder:
         copy = Path(folder, f"standard-input{_suffix(content)}")
         copy.write_bytes(content)
-        yield copy
+        try:
+            yield copy
+        except ValueError as error:  # of the copy, whose path says nothing to who reads it
+            told = (str(copy), str(STANDARD_INPUT))
+            error.args = tuple(
+                part.replace(*told) if isinstance(part, str) else part for part in error.args
+            )
+            raise
 
 
 def _suffix(content: bytes) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from . import cli
 from .common_options import AS_JSON, OVERRIDES, QUIET, SCENARIO
 from .exit_status import CHECK_FAILED
+from .one_thread import calculate_in_one_thread
 from .printing import print_parts
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def survey_command(
 
     Exit status 1 where a requirement of the scenario is missed, or the loop is unstable.
     """
+    calculate_in_one_thread()
     from .overrides import read_overrides
     from .scenario_survey import survey_file
 

@@ -79,8 +79,11 @@ def _client(scheduler: str | None) -> Any:
         raise ValueError(NEEDS) from None
     try:
         return Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
-    except OSError as error:
-        raise ValueError(f"--scheduler {scheduler}: nobody answers there ({error})") from None
+    except (OSError, ValueError) as error:  # the latter of what is no address
+        raise ValueError(
+            f"--scheduler {scheduler!r}: nobody answers there ({error}); give the address that the "
+            "cluster's scheduler tells, such as tcp://10.0.0.1:8786"
+        ) from None
 
 
 def _write(found: ScenarioSweep, output: Path) -> list[str]:

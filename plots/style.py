@@ -90,7 +90,10 @@ def plain(text: str) -> str:
 
 
 def finish(ax: Axes, title: str, xlabel: str, ylabel: str) -> Axes:
-    """Give an Axes its title, labels and grid."""
+    """Give an Axes its title, labels and grid, and logarithmic axes their powers."""
+    from .powers import label_powers  # matplotlib, which not every user of this module draws with
+
+    label_powers(ax)
     ax.set_title(plain(title), fontsize=11)
     ax.set_xlabel(xlabel)
     ax.set_ylabel(ylabel)

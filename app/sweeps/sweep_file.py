@@ -12,13 +12,7 @@ from .parameters import LogUniform, Normal, Uniform
 
 _RANGES = {"uniform": Uniform, "log-uniform": LogUniform, "normal": Normal}
 _KEYS = ("parameters", "figures", "samples", "design", "seed", "hold_gains")
-EXAMPLE = """
-figures = ["load_settling", "phase_margin"]
-samples = 1024
-[parameters]
-"plant.inertia" = { uniform = ["0.9 kg m^2", "1.1 kg m^2"] }
-"limits.slew.jerk" = ["30 deg/s^3", "42 deg/s^3"]
-"""
+_EXAMPLE = 'parameters."plant.inertia" = ["0.9 kg m^2", "1.1 kg m^2"]'
 
 
 def read_sweep_file(path: Path) -> dict[str, Any]:
@@ -35,7 +29,9 @@ def read_sweep_file(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: {unknown[0]} is no key: expected {', '.join(_KEYS)}")
     given = content.pop("parameters", {})
     if not isinstance(given, Mapping):
-        raise ValueError(f"{path}: parameters = {show(given)}: expected a table, such as{EXAMPLE}")
+        raise ValueError(f"{path}: parameters = {show(given)}: expected a table; write {_EXAMPLE}")
+    if not given:
+        raise ValueError(f"{path}: nothing varies, without parameters; write {_EXAMPLE}")
     try:
         parameters = {key: _parameter(key, value) for key, value in _flat(given)}
     except ValueError as error:

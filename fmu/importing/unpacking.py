@@ -58,7 +58,9 @@ def open_fmu(
         try:
             archive = zipfile.ZipFile(file)
         except (zipfile.BadZipFile, NotImplementedError, ValueError, OverflowError) as error:
-            raise FmuError(f"{path}: not an FMU, which is a zip archive ({error})") from None
+            raise FmuError(
+                f"{path}: not an FMU, which is a zip archive ({error}); give the path of one"
+            ) from None
         with archive:
             _check(archive.infolist(), path)
             packed = max(file.seek(0, 2), 1)

@@ -18,7 +18,7 @@ from jounce.analysis.survey_tables import survey_tables
 from jounce.app.gate.numbers import bounds_of, is_position, survey_numbers
 from jounce.app.result_files import write_survey
 from jounce.app.survey_data import survey_data
-from jounce.plant import Inertia, InertiaFeedforward, ServoLoop
+from jounce.plant import Axis, Inertia, InertiaFeedforward, ServoLoop
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "telescope.toml"
 
@@ -117,6 +117,24 @@ def test_files_hold_load_disturbance_and_tracking(tmp_path):
         header, *rows = csv.reader(file)
     load = np.array(rows, dtype=float)[:, header.index("load_arcsec")]
     assert np.abs(load).max() == pytest.approx(found.disturbance.peak / ARCSEC, rel=1e-3)
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("constant", [2.0, None])
+def test_files_tell_the_current_where_the_torque_constant_is_known(tmp_path, constant):
+    axis = Axis(J, torque_constant=constant, gear_ratio=5.0)
+    loop = ServoLoop(axis, GAINS, InertiaFeedforward(J))
+    found = survey(loop, [move()], torque_step=5.0, labels=LABELS)
+    write_survey(scenario_survey(EXAMPLE, found), tmp_path)
+    for name, of in (("move_1_slew.csv", "_with_feedforward"), ("disturbance.csv", "")):
+        with (tmp_path / name).open(newline="") as file:
+            header, *rows = csv.reader(file)
+        assert any("current" in column for column in header) == (constant is not None)
+        table = dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+        if constant is not None:
+            expected = table[f"torque{of}"] / (5.0 * 2.0)
+            np.testing.assert_allclose(table[f"current{of}_A"], expected, rtol=1e-12)
+    assert {"position_arcsec", "error_arcsec"} <= set(header)
 
 
 def test_gate_numbers_are_those_of_the_survey_in_its_unit():

@@ -123,3 +123,22 @@ def test_the_library_reads_it_too_and_again(given):
 def test_where_there_is_none_one_line_says_so(run, folder, monkeypatch):
     monkeypatch.setattr(sys, "stdin", None)
     assert "there is no standard input" in refused(run, folder, "survey", "-")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("frf", "-", "--kind", "plant"), ("fmu", "inspect", "-"), ("fmu", "run", "-")],
+    ids=" ".join,
+)
+def test_no_copy_of_standard_input_is_named(run, given, folder, arguments):
+    given("neither numbers nor an FMU")
+    line = refused(run, folder, *arguments)
+    assert line.startswith("jounce: standard input: ")
+    assert "/" not in line
+
+
+def test_a_sweep_file_in_which_nothing_varies(run, given, folder):
+    (folder / "scenario.toml").write_text(GOOD, encoding="utf-8")
+    given("")
+    line = refused(run, folder, "sweep", "scenario.toml", "-", "--output", "out")
+    assert "standard input: nothing varies" in line
