@@ -66,6 +66,7 @@ def check_sweep(
         As `check_scenario` and `sweep` do.
     """
     path, loaded = Path(sweep_file), load_scenario(scenario)
+    asked = read_sweep_file(path)
     title, unit = f"{loaded.title}, swept by {path.stem}", loaded.position_unit
     stored_at = there(baseline, baseline_beside(path), missing_is_fine=update)
     checks_at = there(checks, checks_beside(path))
@@ -75,7 +76,6 @@ def check_sweep(
         before = load_baseline(stored_at)
         stored = in_unit(before, unit)
         check_origin(stored, stored_at, title, unit)
-    asked = read_sweep_file(path)
     found = sweep(scenario, **asked, workers=workers)
     numbers, now = tuple(_numbers(found)), _conditions(loaded, asked, found)
     written = Checks() if checks_at is None else load_checks(checks_at, numbers)
