@@ -300,6 +300,24 @@ if __name__ == "__main__":
 
 @whole
 def test_an_interrupt_of_all_its_processes_keeps_what_is_done(axis, tmp_path):
+    process, folder = begun(axis, tmp_path)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    out, errors = process.communicate(timeout=60.0)
+    assert (process.returncode, errors) == (0, "")
+    assert 64 <= int(out) == done_in(folder) < 2048
+
+
+@whole
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_its_processes_end_with_a_sweep_that_is_killed(axis, tmp_path, number):
+    process, _ = begun(axis, tmp_path)
+    os.kill(process.pid, number)
+    process.communicate(timeout=20.0)  # which waits for all that hold its output open
+    assert process.returncode == -number
+
+
+def begun(axis: Path, tmp_path: Path) -> tuple[subprocess.Popen[str], Path]:
+    """Return a sweep in processes of which some points are done, and its folder."""
     script, folder = tmp_path / "interrupted.py", tmp_path / "sweep.zarr"
     script.write_text(INTERRUPTED, encoding="utf-8")
     process = subprocess.Popen(
@@ -314,10 +332,7 @@ def test_an_interrupt_of_all_its_processes_keeps_what_is_done(axis, tmp_path):
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    out, errors = process.communicate(timeout=60.0)
-    assert (process.returncode, errors) == (0, "")
-    assert 64 <= int(out) == done_in(folder) < 2048
+    return process, folder
 
 
 def test_another_sweep_is_not_mixed_in(axis, tmp_path):
