@@ -15,7 +15,7 @@ from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
 from ...plant import PID, as_controller
-from ..scenario import CascadeSection, Gains, Scenario, ScenarioError, scenario_of
+from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import filters_told, jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
@@ -108,9 +108,9 @@ class Problem:
         step = max(1, len(points) // _TRIED)
         try:
             self.scenario(points[0])
-        except ScenarioError as error:
+        except ValueError as error:
             for point in points[step::step]:
-                with suppress(ScenarioError):
+                with suppress(ValueError):
                     self.scenario(point)
                     return point
             raise error
