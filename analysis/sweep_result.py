@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -49,7 +49,9 @@ class Yield(Frozen):
         return self.met / self.points
 
     def __str__(self) -> str:
-        told = f"{self.met} of {self.points} points meet what is required ({self.fraction:.2%}"
+        verb = "meets" if self.points == 1 else "meet"
+        told = f"{self.met} of {points_told(self.points)} {verb} what is required "
+        told += f"({self.fraction:.2%}"
         if np.isnan(self.low):
             return f"{told})"
         return f"{told}; 95 % confidence: {self.low:.2%} to {self.high:.2%})"
@@ -145,18 +147,22 @@ class SweepResult:
         lowest = is_worse_lower(figure) if side is None else side == "lowest"
         return int(np.nanargmin(values) if lowest else np.nanargmax(values))
 
-    def met(self, requirements: Mapping[str, tuple[float, float]] | None = None) -> Yield:
-        """Return how many of the points done meet the requirements.
+    def met(
+        self, requirements: Mapping[str, tuple[float | None, float | None]] | None = None
+    ) -> Yield:
+        """Return how many of the points done meet the requirements; one that failed does not.
 
         Parameters
         ----------
         requirements : mapping of str to (float, float), optional
-            Least and greatest value of each figure. Default: the scenario's.
+            Least and greatest value of each figure, in the dataset's units; None where there is
+            no bound. Default: the scenario's.
 
         Raises
         ------
         ValueError
-            Where there is none, for a figure that was not kept, or before a point is done.
+            Where there is none, for a figure that was not kept, bounds that are no two numbers, or
+            before a point is done.
         """
         bounds = self.requirements if requirements is None else requirements
         if not bounds:
@@ -168,18 +174,23 @@ class SweepResult:
         if not done.any():
             raise ValueError("no point is done yet: run the sweep again, it goes on")
         good = done.copy()
-        for figure, (low, high) in bounds.items():
-            values = self.values(figure)
+        for figure, both in bounds.items():
+            values, (low, high) = self.values(figure), _bounds(figure, both)
             good &= (values >= low) & (values <= high)
-        met, points = int(good.sum()), int(done.sum())
-        return Yield(met, points, *self._interval(met, points))
+        return Yield(int(good.sum()), int(done.sum()), *self._interval(good, done))
 
-    def _interval(self, met: int, points: int) -> tuple[float, float]:
-        if self.dataset.attrs["design"] in ("grid", "corners"):
+    def _interval(self, good: Any, done: Any) -> tuple[float, float]:
+        """Return the interval by the points that are independent of each other."""
+        design = self.dataset.attrs["design"]
+        if design == "sensitivity":
+            independent = 2 * (done.size // (len(self.parameters) + 2))
+            good, done = good[:independent], done[:independent]
+        if design in ("grid", "corners") or not done.any():
             return nan, nan
         from scipy.stats import binomtest
 
-        found = binomtest(met, points).proportion_ci(_CONFIDENCE, method="wilson")
+        counted = binomtest(int(good.sum()), int(done.sum()))
+        found = counted.proportion_ci(_CONFIDENCE, method="wilson")
         return float(found.low), float(found.high)
 
     def influences(self, figure: str) -> dict[str, Influence]:
@@ -188,7 +199,7 @@ class SweepResult:
         Raises
         ------
         ValueError
-            For another design than "sensitivity", or where a point failed.
+            For another design than "sensitivity", or where a point failed or is infinite.
 
         References
         ----------
@@ -202,10 +213,11 @@ class SweepResult:
         from scipy.stats import sobol_indices
 
         values = self.values(figure)
-        if np.isnan(values).any():
+        missing = int((~np.isfinite(values)).sum())
+        if missing:
             raise ValueError(
-                f"figure {figure!r} is missing at {int(np.isnan(values).sum())} points: narrow "
-                "the ranges to where every loop is stable; see .failures()"
+                f"figure {figure!r} is missing or infinite at {missing} points: narrow the ranges "
+                "to where every loop is stable and has one; see .failures()"
             )
         count = len(self.parameters)
         a, b, *mixed = np.split(values, count + 2)
@@ -301,9 +313,30 @@ class SweepResult:
     def __repr__(self) -> str:
         done = int(np.asarray(self.dataset["done"].values).sum())
         return (
-            f"SweepResult({done} of {self.dataset.sizes['point']} points, "
+            f"{type(self).__name__}({done} of {points_told(self.dataset.sizes['point'])}, "
             f"parameters {', '.join(self.parameters)}; figures {', '.join(self.figures)})"
         )
+
+
+def _bounds(figure: str, given: Any) -> tuple[float, float]:
+    """Return least and greatest value of a figure; ValueError for what is no such pair."""
+    try:
+        least, greatest = given
+        low = -inf if least is None else float(least)
+        high = inf if greatest is None else float(greatest)
+    except (TypeError, ValueError):
+        low = high = nan
+    if not low <= high:
+        raise ValueError(
+            f"requirements[{figure!r}] = {given!r}: expected least and greatest value, increasing, "
+            "such as (44.0, None)"
+        )
+    return low, high
+
+
+def points_told(count: int) -> str:
+    """Return how many points there are in words."""
+    return f"{count} point" if count == 1 else f"{count} points"
 
 
 def is_worse_lower(figure: str) -> bool:

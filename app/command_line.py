@@ -66,7 +66,7 @@ def main() -> None:
     except BrokenPipeError:  # who reads has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 (for Python to close at the end)
         raise SystemExit(CHECK_FAILED) from None
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, ImportError) as error:  # what an extra would bring
         from ..analysis.unstable_loop import UnstableLoopError
 
         _fail(error, CHECK_FAILED if isinstance(error, UnstableLoopError) else BAD_INPUT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,8 +12,12 @@ from . import cli
 from .common_options import QUIET, SCENARIO
 from .exit_status import INTERRUPTED
 from .printing import print_parts
+from .units import show
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..analysis.sweep_result import Influence
     from .sweeps.result import ScenarioSweep
 
 
@@ -39,13 +44,15 @@ def sweep_command(
     """Sweep a scenario: figures at many values of its keys, worst cases, yield, influences.
 
     The folder has `sweep.zarr`, the dataset; `worst_….toml`, a scenario for each figure that
-    reproduces its worst value; pictures.
+    reproduces its worst value; pictures of each figure (histogram, tornado, scatter, contours) and
+    `scatter_matrix.png`.
     """
     from .sweeps.run import Stopped, sweep
     from .sweeps.sweep_file import read_sweep_file
 
+    if scheduler is not None and workers is not None:
+        raise ValueError("--workers beside --scheduler: a cluster has its own; leave one out")
     asked = read_sweep_file(sweep_file)
-    output.mkdir(parents=True, exist_ok=True)
     client = _client(scheduler)
     try:
         with warnings.catch_warnings():
@@ -78,12 +85,17 @@ def _client(scheduler: str | None) -> Any:
 
         raise ValueError(NEEDS) from None
     try:
-        return Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
+        client: Any = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:  # the latter of what is no address
         raise ValueError(
-            f"--scheduler {scheduler!r}: nobody answers there ({error}); give the address that the "
-            "cluster's scheduler tells, such as tcp://10.0.0.1:8786"
+            f"--scheduler {show(scheduler)}: nobody answers there ({error}); give the address that "
+            "the cluster's scheduler tells, such as tcp://10.0.0.1:8786"
         ) from None
+    if not client.scheduler_info()["workers"]:
+        warnings.warn(
+            f"--scheduler {scheduler}: has no workers yet; the sweep waits for some", stacklevel=1
+        )
+    return client
 
 
 def _write(found: ScenarioSweep, output: Path) -> list[str]:
@@ -99,6 +111,11 @@ def _write(found: ScenarioSweep, output: Path) -> list[str]:
         picture = path.with_name(path.name.replace("worst_", "").replace(".toml", ".png"))
         found.plot(figure).savefig(picture)
         names.append(picture.name)
+    if len(found.figures) * len(found.parameters) > 1:
+        from ..plots import plot_scatter_matrix
+
+        plot_scatter_matrix(found).savefig(output / "scatter_matrix.png")
+        names.append("scatter_matrix.png")
     return names
 
 
@@ -119,22 +136,57 @@ def _answers(found: ScenarioSweep) -> dict[str, Any]:
             if found.has(figure)
         },
         "swings": {figure: found.swings(figure) for figure in found.figures if found.has(figure)},
+        "influences": {
+            figure: {name: vars(index) for name, index in indices.items()}
+            for figure, indices in _influences(found).items()
+        },
     }
+
+
+def _influences(found: ScenarioSweep) -> dict[str, dict[str, Influence]]:
+    """Return Sobol's indices of the figures that have them; those of no other design have."""
+    indices = {}
+    for figure in found.figures:
+        with suppress(ValueError):
+            indices[figure] = found.influences(figure)
+    return indices
+
+
+def _what_moves(found: ScenarioSweep) -> Table:
+    """Return how far each parameter moves the mean of each figure, and Sobol's indices."""
+    from ..analysis.tables import plain_table
+
+    indices = _influences(found)
+    more = ("alone", "in all") if indices else ()
+    title = "Means over each parameter" + (", Sobol's indices of it" if indices else "")
+    table = plain_table(title, "", "over", "lowest", "highest", *more)
+    for figure in found.figures:
+        known = indices.get(figure, {})
+        for name, (low, high) in found.swings(figure).items():
+            share = [f"{x:.3f}" for x in vars(known[name]).values()] if name in known else ["", ""]
+            means = f"{low:.5g}", f"{high:.5g}"
+            table.add_row(_named(found, figure), name, *means, *share[: len(more)])
+    return table
+
+
+def _named(found: ScenarioSweep, figure: str) -> str:
+    unit = found.dataset[figure].attrs["units"]
+    return f"{figure} [{unit}]" if unit else figure
 
 
 def _told(found: ScenarioSweep) -> list[object]:
     """Return the tables of a sweep."""
     import numpy as np
 
+    from ..analysis.sweep_result import points_told
     from ..analysis.tables import plain_table
 
     table = plain_table(
-        f"{found.dataset.attrs['title']}: {found.dataset.sizes['point']} points",
+        f"{found.dataset.attrs['title']}: {points_told(found.dataset.sizes['point'])}",
         *("", "median", "worst", "at"),
     )
     for figure in found.figures:
-        unit = found.dataset[figure].attrs["units"]
-        name = f"{figure} [{unit}]" if unit else figure
+        name = _named(found, figure)
         if not found.has(figure):
             table.add_row(name, "none", "none", "")
             continue
@@ -143,11 +195,11 @@ def _told(found: ScenarioSweep) -> list[object]:
         table.add_row(
             name, f"{median:.5g}", f"{case.figures[figure]:.5g}", found.told_at(case.point)
         )
-    told: list[object] = [table]
+    told: list[object] = [table, _what_moves(found)] if len(found.parameters) > 1 else [table]
     if found.requirements:
         told.append(f"{found.met()}.")
     failures = found.failures()
     if failures:
         point, reason = next(iter(failures.items()))
-        told.append(f"{len(failures)} points failed; point {point}: {reason}")
+        told.append(f"{points_told(len(failures))} failed; point {point}: {reason}")
     return told

@@ -60,6 +60,7 @@ linkcheck_timeout = 20
 linkcheck_workers = 8
 linkcheck_anchors = False  # pages made by scripts have none to be seen
 
+PAGES = ("CHANGELOG.md", "CONTRIBUTING.md")  # that stand above this folder
 SOURCES = "https://github.com/jounce-control/jounce/blob/HEAD/"
 
 
@@ -67,7 +68,10 @@ def links_of_the_site(_app: object, page: str, source: list[str]) -> None:
     """Lead links that leave this folder to the site's own notebooks, else to the repository."""
     notebook = r"\[([^]]+)\]\(\.\./notebooks/(\w+)\.ipynb\)"
     source[0] = re.sub(notebook, r"{doc}`\1 </notebooks/\2>`", source[0])
-    source[0] = source[0].replace("](../CHANGELOG.md)", "](changelog.md)")
+    for name in PAGES:
+        source[0] = source[0].replace(f"](../{name})", f"]({name.lower()})")
+    if page in {Path(name).stem.lower() for name in PAGES}:
+        source[0] = source[0].replace("](docs/", "](")
     if "/" not in page:
         source[0] = re.sub(r"\]\(\.\./", f"]({SOURCES}", source[0])
 
@@ -80,11 +84,12 @@ def plain_bars(
 
 
 def bring_pages() -> None:
-    """Bring the notebooks and the changelog below the folder that Sphinx reads."""
+    """Bring the notebooks and the pages above it below the folder that Sphinx reads."""
     link = DOCS / "notebooks"  # no copies: they are run where they stand
     if not link.exists():
         link.symlink_to(DOCS.parent / "notebooks", target_is_directory=True)
-    shutil.copy(DOCS.parent / "CHANGELOG.md", DOCS / "changelog.md")
+    for name in PAGES:
+        shutil.copy(DOCS.parent / name, DOCS / name.lower())
 
 
 def setup(app: Any) -> None:

@@ -12,13 +12,14 @@ from ..shaping.checks import one_of, positive
 from ..shaping.frozen import Frozen
 from ..shaping.pieces import FloatArray
 from ..shaping.real_numbers import real_array, shown
+from ..shaping.told import Told
 from .disturbances import On
 
 _MOST_FOLDS = 10_000
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Told, Frozen):
     """A stationary random signal, by its one-sided power spectral density at some frequencies.
 
     Between them log(density) is a straight line over log(frequency); outside there is nothing.

@@ -79,8 +79,10 @@ def _is_number(result: SweepResult, parameter: str) -> bool:
 
 
 def _label(result: SweepResult, name: str) -> str:
+    """Return a figure in words, or a parameter's key, with the unit."""
     unit = result.dataset[name].attrs.get("units", "")
-    return f"{name.replace('_', ' ')} [{unit}]" if unit else name.replace("_", " ")
+    told = name.replace("_", " ") if name in result.figures else name
+    return f"{told} [{unit}]" if unit else told
 
 
 def _histogram(ax: Axes, result: SweepResult, name: str) -> None:
@@ -91,7 +93,7 @@ def _histogram(ax: Axes, result: SweepResult, name: str) -> None:
         if isfinite(bound):
             ax.axvline(bound, color=RED, linestyle="--", label=f"required {bound:.4g}")
     missing = values.size - known.size
-    title = f"{known.size} points" + (f", {missing} without a value" if missing else "")
+    title = f"{known.size} points" + (f", {missing} without a finite value" if missing else "")
     finish(ax, title, _label(result, name), "points")
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
@@ -101,12 +103,14 @@ def _tornado(ax: Axes, result: SweepResult, name: str) -> None:
     swings = list(result.swings(name).items())[::-1]
     for row, (_, (low, high)) in enumerate(swings):
         ax.plot([low, high], [row, row], color=ORANGE, linewidth=14, solid_capstyle="butt")
-    ax.axvline(float(np.nanmean(result.values(name))), color=GREY, linestyle=":", label="mean")
+    values = result.values(name)
+    if np.isfinite(values).any():
+        ax.axvline(float(np.nanmean(values)), color=GREY, linestyle=":", label="mean")
+        ax.legend()
     ax.margins(x=0.05)
     ax.set_yticks(range(len(swings)), [parameter for parameter, _ in swings])
     title = "conditional means over each parameter"
     finish(ax, title, f"mean {_label(result, name)}, all else varying", "")
-    ax.legend()
 
 
 def _scatter(ax: Axes, result: SweepResult, parameter: str, name: str) -> None:

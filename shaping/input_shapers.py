@@ -18,13 +18,14 @@ from .checks import finite, of_kind, one_of, positive, range_error
 from .frozen import Frozen
 from .pieces import FloatArray
 from .real_numbers import real_array, shown
+from .told import Told
 from .trajectory import Motion, Trajectory, as_trajectory, sum_of
 
 Kind = Literal["ZV", "ZVD", "ZVDD", "EI"]
 
 
-@dataclass(frozen=True, eq=False)
-class InputShaper(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class InputShaper(Told, Frozen):
     """A command becomes Σ amplitudes[i]·command(t − times[i]).
 
     Parameters

@@ -173,6 +173,7 @@ NOUNS = [
     TorqueSine(1.0, 2.0),
     Wind("first_order", 1.0, corner_hz=2.0),
     Spectrum([1.0, 2.0], [3.0, 4.0]),
+    Spectrum(np.arange(1.0, 1000.0), np.ones(999)),
     Disturbances((TorqueSine(1.0, 2.0),), (1e-6,)),
     loop_margins(LOOP.loop_transfer()),
     FRF,

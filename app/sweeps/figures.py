@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -19,8 +20,10 @@ from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
 from ..scenario_measured import measured_loop_of, survey_measured
+from .sampling import Point
 
 _MOST_DESIGNS = 1024  # that are kept
+_TRIED = 64  # points, for one of which there is a scenario
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,25 @@ class Problem:
             raise
         except Exception as error:
             return error
+
+    def first_sound(self, points: Sequence[Point]) -> Point:
+        """Return the first point of which there is a scenario, among the first and some others.
+
+        Raises
+        ------
+        ScenarioError
+            For the first, where there is none: a key leads nowhere, or a unit is not its own.
+        """
+        step = max(1, len(points) // _TRIED)
+        try:
+            self.scenario(points[0])
+        except ValueError as error:
+            for point in points[step::step]:
+                with suppress(ValueError):
+                    self.scenario(point)
+                    return point
+            raise error
+        return points[0]
 
     def refuse_missing(self, values: Sequence[object]) -> None:
         """Raise ValueError for a figure of what there is not, which no point would have."""

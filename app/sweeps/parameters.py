@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, isfinite, log
@@ -110,7 +111,7 @@ class Parameter:
         part = _try_split(value)
         if part is None or isinstance(value, bool):
             return str(value)
-        if part[1] == self.unit:
+        if _singular(part[1]) == _singular(self.unit):
             return part[0]
         try:
             return part[0] * conversion(part[1], self.unit)
@@ -167,6 +168,11 @@ def _listed(key: str, given: object) -> tuple[Any, ...]:
     return tuple(given)
 
 
+def _singular(unit: str) -> str:
+    """Return a unit with its counts and samples, which stand for no number here, in one form."""
+    return re.sub(r"\b(count|sample)s\b", r"\1", unit)
+
+
 def _check_increasing(given: Uniform | LogUniform) -> None:
     low, high = _ends(given)
     if not low < high:
@@ -180,7 +186,8 @@ def _ends(given: Range) -> tuple[float, float]:
     """Return both numbers of a range in the unit of the first."""
     (first, unit), (second, other) = (_split(value) for value in _values(given))
     try:
-        return first, second if other == unit else second * conversion(other, unit)
+        same = _singular(other) == _singular(unit)
+        return first, second if same else second * conversion(other, unit)
     except ValueError:
         raise ValueError(
             f"{' and '.join(map(show, _values(given)))} in a range: expected two of one kind; give "

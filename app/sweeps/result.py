@@ -14,7 +14,7 @@ from ...analysis.sweep_result import SweepResult
 from ..overrides import override
 from ..scenario import Scenario
 from .figures import Problem
-from .store import NEEDS
+from .store import NEEDS, read
 
 if TYPE_CHECKING:
     import xarray
@@ -60,20 +60,13 @@ class ScenarioSweep(SweepResult):
     @classmethod
     def load(cls, path: str | Path) -> ScenarioSweep:
         """Return a sweep that was saved as ``….zarr`` or ``….nc``; ValueError for anything else."""
+        path = Path(path)
+        if path.suffix not in (".nc", ".zarr"):
+            raise ValueError(f"{path}: expected a sweep, ….zarr or ….nc")
         try:
-            import xarray
+            return cls(read(path, "name the output of one"))
         except ImportError:
             raise ImportError(NEEDS) from None
-        path = Path(path)
-        try:
-            if path.suffix == ".nc":
-                return cls(xarray.open_dataset(path, engine="h5netcdf").load())
-            if path.suffix == ".zarr":
-                return cls(xarray.open_zarr(path, chunks=None).load())
-        except (OSError, ValueError, KeyError) as error:
-            told = "there is none" if not path.exists() else str(error)
-            raise ValueError(f"{path}: is no sweep ({told}); name the output of one") from None
-        raise ValueError(f"{path}: expected a sweep, ….zarr or ….nc")
 
     def worst(self, figure: str, side: Literal["lowest", "highest"] | None = None) -> Case:
         """Return the case in which a figure is worst; `SweepResult.worst_point` says of what."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...analysis.specification import FIGURES
 from ..scenario import load_scenario, read_content
+from ..units import show
 from .figures import Problem, check_figures
 from .parameters import Parameter, parameters_of
 from .progress import shown_progress
@@ -101,6 +102,8 @@ def sweep(
     recorded with its reason, and nan in its figures. Ctrl-C ends the sweep, not the script: what is
     done is returned, with a warning.
     """
+    if not isinstance(hold_gains, bool):
+        raise ValueError(f"hold_gains = {show(hold_gains)}: expected True or False")
     if client is not None and not hasattr(client, "submit"):
         raise TypeError(
             f"client = {client!r}: expected a dask.distributed.Client, Client({client!r})"
@@ -113,8 +116,7 @@ def sweep(
     )
     keys = tuple(parameter.key for parameter in known)
     problem = Problem(path, read_content(path), keys, asked, hold_gains)
-    problem.scenario(points[0])  # a key that leads nowhere ends it here
-    problem.refuse_missing(points[0])
+    problem.refuse_missing(problem.first_sound(points))
     dataset = _empty(problem, known, points, nominal, {"design": design, "seed": seed})
     size = batch_of(len(points))
     store = Store(dataset, None if output is None else Path(output), size)

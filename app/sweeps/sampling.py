@@ -61,8 +61,8 @@ def points_of(
 def _product(parameters: Sequence[Parameter], design: Design, samples: int | None) -> list[Point]:
     if samples is not None:
         raise ValueError(
-            f"samples = {samples!r}: a {design} has the points of its lists; leave samples out, or "
-            "give design='sobol'"
+            f"samples = {samples!r}: design = {design!r} has points of its own; leave samples out, "
+            "or give design='sobol'"
         )
     for parameter in parameters:
         if design == "grid" and parameter.range is not None:

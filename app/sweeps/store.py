@@ -110,28 +110,33 @@ def _growing(path: Path) -> Path:
     if path.suffix == ".zarr":
         return path
     if path.suffix == ".nc":
-        if path.exists():
-            raise ValueError(
-                f"{path}: is there already; read it with ScenarioSweep.load, or name another file"
-            )
-        return path.with_name(path.name + ".growing")
+        return path if path.exists() else path.with_name(path.name + ".growing")
     raise ValueError(f"{path}: expected a name that ends in .zarr or .nc")
 
 
 def _continued(asked: xarray.Dataset, folder: Path) -> xarray.Dataset:
     """Return what a folder holds already, which must be of the same sweep."""
-    import xarray
-
-    try:
-        found: xarray.Dataset = xarray.open_zarr(folder, chunks=None).load()
-    except (OSError, ValueError, KeyError) as error:
-        raise ValueError(f"{folder}: is no sweep ({error}); name another folder") from None
+    found = read(folder, "name another folder")
     if found.attrs.get("sweep") != asked.attrs["sweep"]:
         raise ValueError(
             f"{folder}: holds another sweep, {_difference(found, asked)}; name another folder, or "
             "remove this one"
         )
     return found
+
+
+def read(path: Path, remedy: str) -> xarray.Dataset:
+    """Return what a folder or a file holds; ValueError for what is no sweep, or damaged."""
+    import xarray
+
+    try:
+        if path.suffix == ".nc":
+            return xarray.open_dataset(path, engine="h5netcdf").load()
+        found: xarray.Dataset = xarray.open_zarr(path, chunks=None).load()
+        return found
+    except (OSError, ValueError, KeyError, RuntimeError) as error:  # blosc tells it as RuntimeError
+        told = str(error).partition("\n")[0] if path.exists() else "there is none"
+        raise ValueError(f"{path}: is no sweep ({told}); {remedy}") from None
 
 
 def _difference(found: xarray.Dataset, asked: xarray.Dataset) -> str:

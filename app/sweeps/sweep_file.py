@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,19 @@ def _flat(table: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
     """Return keys and values, keys written with dots or as tables alike."""
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
-        if isinstance(value, Mapping) and not set(value) & set(_RANGES):
+        if isinstance(value, Mapping) and not _is_range(value):
             found += _flat(value, f"{before}{key}.")
         else:
             found.append((f"{before}{key}", value))
     return found
+
+
+def _is_range(table: Mapping[str, Any]) -> bool:
+    """Whether a table is a range, its kind perhaps misspelt, and not a part of a key."""
+    return any(
+        isinstance(ends, list) and get_close_matches(kind.replace("_", "-"), _RANGES, cutoff=0.75)
+        for kind, ends in table.items()
+    )
 
 
 def _parameter(key: str, value: object) -> object:
