@@ -31,7 +31,7 @@ FIGURES = (
     *("phase_margin", "lower_gain_margin", "upper_gain_margin", "modulus_margin"),
     *("load_settling",),
 )
-POINTS, ALONE, ROUNDS = 512, 3, 2
+POINTS, ALONE, ROUNDS = 2048, 3, 2
 SHORT, LONG = 128, 1024  # points whose memory is compared
 GOAL = 10_000
 
