@@ -75,9 +75,11 @@ class _Responses:
             return self._whole, np.zeros(3)
         samples = int((lead + _FIRST * behind) / dt) + 1
         response = self._response(samples * dt)
-        tail = tail_of(response.run, self._loop.open_model())
-        more = None if tail is None else tail.samples_until(self._within(response))
-        if tail is None or more is None or (samples + more) * dt >= self._longest:
+        tail, most = tail_of(response.run, self._loop.open_model()), self._within(response)
+        if tail is None or not tail.bounds()[_TORQUE] < most[_TORQUE]:
+            return self._whole, np.zeros(3)
+        more = tail.samples_until(most)
+        if more is None or (samples + more) * dt >= self._longest:
             return self._whole, np.zeros(3)
         if more:
             response = self._response((samples + more) * dt)

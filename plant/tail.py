@@ -15,8 +15,8 @@ from .layout import at_rest
 from .models import StateModel
 from .run import Run, Scene
 
-_TERMS = 25  # of the Taylor series over a sample, or as many as count
-_COUNTS = 1e-20
+_TERMS = 25  # of the Taylor series over a sample
+_FASTEST = 4.0  # rate·sample: the series is complete to 1e-10 of what it bounds
 _ROUNDING = 1e-15
 _COUPLED = 1e-2  # the most that rounding may join modes which decompose the loop
 _FAR = 2**20  # samples: what is not within its bounds by then is not waited for
@@ -69,9 +69,9 @@ class Tail:
 def tail_of(run: Run, loop: StateModel) -> Tail | None:
     """Return what bounds the rest of a digital loop's response; None where nothing known does.
 
-    The run ends on a sample, its command at rest by then. From there on the loop is linear as long
-    as the torque stays within its limit, which the bound of the torque tells: x⁺ = A·x + b·q, x its
-    states less those at rest, |q| ≤ half a step of the encoder. With A·V = V·Λ,
+    The run ends on a sample, its command at rest by then. From there on the loop is linear if the
+    bound of the torque is within its limit: x⁺ = A·x + b·q, x its states less those at rest,
+    |q| ≤ half a step of the encoder. With A·V = V·Λ,
 
         |c·x_k| ≤ Σ_i |c·v_i|·(|λ_i|^k·|w_i·x_0| + |w_i·b|·|q|/(1 − |λ_i|)),
 
@@ -85,7 +85,8 @@ def tail_of(run: Run, loop: StateModel) -> Tail | None:
         The open loop, as `ServoLoop.open_model` gives it.
     """
     scene = run.scene
-    if not _goes_on_linearly(scene):
+    dt = scene.controller.sample_time
+    if dt is None or run.fastest * dt > _FASTEST or not _goes_on_linearly(scene):
         return None
     closed = loop.feedback()
     rest = _at_rest(run, len(closed.A))
@@ -118,7 +119,7 @@ def _goes_on_linearly(scene: Scene) -> bool:
     axis, feedforward = scene.axis, scene.feedforward
     bare = axis.friction is None and axis.ripple is None and scene.noise is None
     fixed = feedforward.dynamics is None and not isinstance(scene.controller.anti_windup, Clamp)
-    return scene.is_digital and bare and fixed and not scene.disturbances and _is_over(scene)
+    return bare and fixed and not scene.disturbances and _is_over(scene)
 
 
 def _is_over(scene: Scene) -> bool:
@@ -186,12 +187,10 @@ def _seen(scene: Scene, closed: StateModel, vectors: FloatArray) -> FloatArray:
     past = np.abs(vectors[d.size : closed.nstates - scene.controller.sampled_model().nstates])
     fed = np.vstack([past, torque]).max(axis=0)
     position = d.motor if scene.axis.sensor == "motor" else d.load
-    term, total, size = np.array([d.load, position]), np.zeros((2, len(fed))), 1.0
+    rows = [np.array([d.load, position])]
     for k in range(1, _TERMS):
-        total += size * np.abs(term @ vectors[: d.size])
-        size *= dt / k
-        total += size * np.abs(term @ d.b[:, :1]) * fed
-        term = term @ d.a
-        if size * np.abs(term).max() < _COUNTS:
-            break
+        rows.append(rows[-1] @ d.a * (dt / k))
+    terms, ahead = np.array(rows), dt / np.arange(1.0, _TERMS + 1.0)
+    held = (np.abs(terms @ d.b[:, 0]) * ahead[:, None]).sum(axis=0)
+    total = np.abs(terms @ vectors[: d.size]).sum(axis=0) + held[:, None] * fed
     return np.vstack([total, torque])

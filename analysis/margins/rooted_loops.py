@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from .factored_loop import DAMPING_FLOOR, Complex, FactoredLoop, Real, is_stable, radians
 from .many_loops import Mask, Slopes
-from .turning_points import TOUCH_TOLERANCE, phase_points, stationary_points
+from .turning_points import TOUCH_TOLERANCE, turning_points
 
 _BESIDE = 1e-11
 _FAR = 1e8
@@ -223,11 +223,7 @@ class RootedLoops:
 
     def turning_points(self) -> tuple[Real, Real]:
         """Return ω, among them all where the gain turns, and where the phase does, (B, K)."""
-        gain = [stationary_points(loop.zeros, loop.poles) for loop in self.roots.loops]
-        phase = [
-            phase_points(loop.zeros, loop.poles, loop.delay, (loop.samples, loop.scale))
-            for loop in self.roots.loops
-        ]
+        gain, phase = turning_points(list(self.roots.loops))
         return self._each(_filled(gain)), self._each(_filled(phase))
 
     def gain(self, omega: Real) -> Real:

@@ -91,9 +91,17 @@ def test_what_follows_stays_within_its_bounds_and_comes_near_them(name):
     assert tail.samples_until(0.9 * tail.still) is None
 
 
-@pytest.mark.parametrize("name", LOOPS)
+LIMITED = {
+    f"limited to {limit} N m": ServoLoop(
+        replace(AXIS, torque_limit=limit), DIGITAL, Feedforward({2: 1000.0})
+    )
+    for limit in (100.0, 170.0)
+}
+
+
+@pytest.mark.parametrize("name", LOOPS | LIMITED)
 def test_figures_of_a_response_that_ends_early_are_those_of_the_whole(name, monkeypatch):
-    loop = LOOPS[name]
+    loop = (LOOPS | LIMITED)[name]
     move = Move(name="far", distance=0.06, bounds=(0.18, 0.18, 0.7), limits_name="", settle_to=2e-5)
     whole = loop.respond(MOVE, times=[30.0])
     run = []
