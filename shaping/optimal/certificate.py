@@ -18,8 +18,9 @@ from ..trajectory import Motion, Trajectory, as_trajectory
 from ..transfers.infeasible import InfeasibleError
 from .half_bounds import proven_by_half
 from .long_plan import long_plan
-from .proof import Numbers, Proof, Proven, Slopes
+from .proof import Numbers, Proof, Proven, Slopes, number
 from .proof_check import holds
+from .proof_slopes import tells_truly
 from .quick_bounds import least_duration
 from .smoothing import even_are_symmetric, lower_order, relative_width, truncated
 from .whole.outcome import check_whole
@@ -78,14 +79,18 @@ class Certificate(Told):
         )
 
     def check(self) -> bool:
-        """Tell whether the proof holds, by rational arithmetic alone (`proof_check`)."""
+        """Tell whether the proof holds, by rational arithmetic alone (`proof_check`).
+
+        What it says besides has to fit: duration, bound and gap, and what the bound hangs on.
+        """
         proof = self.proof
         if proof is None:
-            return self.lower_bound == 0.0
-        if not 0.0 < self.lower_bound <= proof.lower_bound:
+            return self.lower_bound == 0.0 and self.gap == (inf if self.duration > 0.0 else 0.0)
+        if not 0.0 < self.lower_bound <= min(proof.lower_bound, self.duration * (1.0 + _AT_REST)):
             return False
-        gap = self.duration / self.lower_bound - 1.0
-        return self.gap >= gap - _ROUNDING and holds(proof)
+        gap = max(self.duration / self.lower_bound - 1.0, 0.0)
+        fits = abs(self.gap - gap) <= _ROUNDING * (1.0 + gap)
+        return fits and holds(proof) and tells_truly(proof, self.slopes, self.sensitivities)
 
     def save(self, path: str | Path) -> None:
         """Write the certificate with its proof to a file of JSON."""
@@ -108,12 +113,12 @@ class Certificate(Told):
             data = json.loads(text)
             proof = data["proof"]
             return cls(
-                float(data["duration"]),
-                float(data["lower_bound"]),
-                inf if data["gap"] is None else float(data["gap"]),
+                number(data["duration"]),
+                number(data["lower_bound"]),
+                number(data["gap"], inf),
                 tuple(map(float, data["sensitivities"])),
                 tuple((float(low), float(high)) for low, high in data["slopes"]),
-                float(data["rtol"]),
+                positive("rtol", number(data["rtol"])),
                 None if proof is None else Proof.from_text(json.dumps(proof)),
             )
         except (KeyError, TypeError, AttributeError, ValueError):
