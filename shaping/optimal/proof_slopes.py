@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from math import isfinite
@@ -9,8 +10,8 @@ from math import isfinite
 from .proof import Numbers, Proof, Slopes
 from .proof_check import polynomial_of
 
-_SAME = 1e-3  # relative: where c hardly crosses zero the floats that were told are no nearer
-_ROUNDING = 1e-9  # of a sensitivity
+_SAME = 5e-3  # relative: where c hardly crosses zero the floats that were told are no nearer
+_LITTLE = 1e-6  # of a sensitivity, or of what a bound's slope makes of one
 
 
 def tells_truly(proof: Proof, slopes: Slopes, sensitivities: Numbers) -> bool:
@@ -19,20 +20,25 @@ def tells_truly(proof: Proof, slopes: Slopes, sensitivities: Numbers) -> bool:
     more = len(slopes) - len(proven)
     if more < 0 or len(sensitivities) != len(slopes) - 1:
         return False
-    sides = zip(_all(slopes), _all((*proven, *[(0.0, 0.0)] * more)), strict=True)
-    bounds = zip((*proof.lower, *[0.0] * more), (*proof.upper, *[0.0] * more), strict=True)
+    proven = (*proven, *[(0.0, 0.0)] * more)
+    bounds = [*zip(proof.lower, proof.upper, strict=True), *[(0.0, 0.0)] * more]
     shares = [
         sum(slope * bound for slope, bound in zip(*each, strict=True) if slope) / proof.lower_bound
         for each in zip(slopes, bounds, strict=True)
     ]
-    return all(abs(a - b) <= _SAME * abs(b) for a, b in sides) and all(
-        abs(a - b) <= _SAME * abs(b) + _ROUNDING
-        for a, b in zip(sensitivities, shares[1:], strict=True)
+    sides = zip(_all(slopes), _all(proven), _all(bounds), strict=True)
+    return all(
+        abs(told - slope) <= _SAME * abs(slope)
+        or abs(told - slope) * abs(bound) <= _LITTLE * proof.lower_bound * bool(bound)
+        for told, slope, bound in sides
+    ) and all(
+        abs(told - share) <= _SAME * abs(share) + _LITTLE
+        for told, share in zip(sensitivities, shares[1:], strict=True)
     )
 
 
-def _all(slopes: Slopes) -> Numbers:
-    return tuple(slope for pair in slopes for slope in pair)
+def _all(pairs: Iterable[tuple[float, float]]) -> Numbers:
+    return tuple(side for pair in pairs for side in pair)
 
 
 def proven_slopes(proof: Proof) -> Slopes:
