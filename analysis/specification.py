@@ -18,7 +18,7 @@ from ..shaping.real_numbers import real_number, shown
 from .disturbances import Disturbances
 
 Bound = float | tuple[float, float]
-"""A positive number (bound on the magnitude) or a pair lower < 0 < upper."""
+"""A positive number (bound on the magnitude) or a pair lower ≤ 0 ≤ upper."""
 
 
 FigureUnit = Literal[

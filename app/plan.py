@@ -67,6 +67,7 @@ def plan_move(
     *,
     start: str | None = None,
     to: str | None = None,
+    position: str | None = None,
     rise_time: str | None = None,
     order: int | None = None,
     method: Method = "optimal",
@@ -79,11 +80,13 @@ def plan_move(
         Such as "60 arcsec" or "-2 mm"; its unit is the one that results are shown in.
     bounds : mapping of int to str
         By derivative, 1 velocity, 2 acceleration, …: a quantity, or two separated by a comma
-        for the two directions, "-0.1 deg/s^2, 0.2 deg/s^2".
+        for the two directions, "-0.1 deg/s^2, 0.2 deg/s^2", one of them zero or not.
     start : str, optional
         Position at the start. Default: zero.
     to : str, optional
         Position at the end, in place of a distance.
+    position : str, optional
+        Lowest and highest position, separated by a comma: "-4 mm, 4 mm".
     rise_time : str, optional
         Rise time of acceleration, in place of a bound on derivative `order`.
     order : int, optional
@@ -111,7 +114,10 @@ def plan_move(
             f"such as --acceleration {motion_kind(route.motion, 2).example!r}"
         )
     highest = max(values)
-    limits = Limits.from_bounds(values.get(k, inf) for k in range(1, highest + 1))
+    limits = Limits.from_bounds(
+        (values.get(k, inf) for k in range(1, highest + 1)),
+        position=None if position is None else _stops(position, route.motion),
+    )
     move = min_time_move(route.length, limits, start=route.origin, method=method)
     return Plan(move, limits, route.unit)
 
@@ -155,11 +161,24 @@ def _bound(text: str, k: int, motion: Motion) -> float | tuple[float, float]:
     kind = motion_kind(motion, k)
     if len(sides) == 2:
         lower, upper = (quantity(name, side, kind) for side in sides)
-        if lower < 0.0 < upper:
+        if lower <= 0.0 <= upper and lower < upper:
             return lower, upper
     raise UnitError(
         f"{name}: {text!r} is not a pair around zero; write one quantity such as "
         f"{kind.example!r}, or lower and upper bound as '-{kind.example}, {kind.example}'"
+    )
+
+
+def _stops(text: str, motion: Motion) -> tuple[float, float]:
+    """Return the lowest and the highest position."""
+    kind, sides = motion_kind(motion, 0), text.split(",")
+    if len(sides) == 2:
+        lower, upper = (quantity("position limit", side, kind) for side in sides)
+        if lower < upper:
+            return lower, upper
+    raise UnitError(
+        f"position limit: {text!r} is not a pair of positions; write the lowest and the highest "
+        f"as '-{kind.example}, {kind.example}'"
     )
 
 

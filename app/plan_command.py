@@ -35,6 +35,9 @@ def plan_command(
         list[str] | None,
         cli.Option(help='Any derivative, such as "7=2e4 deg/s^7"; may be repeated.'),
     ] = None,
+    position: Annotated[
+        str | None, cli.Option(help='Lowest and highest position, such as "-4 mm, 4 mm".')
+    ] = None,
     rise_time: Annotated[
         str | None,
         cli.Option(help="Rise time of the acceleration, in place of the highest limit."),
@@ -107,6 +110,7 @@ def plan_command(
 
         _refuse_beside_s_curve(
             {"--snap": snap, "--crackle": crackle, "--pop": pop, "--limit": limit}
+            | {"--position": position}
             | {"--rise-time": rise_time, "--order": order, "--closed-form": closed_form}
             | {"--certify": certify}
         )
@@ -117,7 +121,14 @@ def plan_command(
         method: Method = "closed-form" if closed_form else "optimal"
         bounded = None if order is None else _order(order)
         plan = plan_move(
-            asked, bounds, start=start, to=to, rise_time=rise_time, order=bounded, method=method
+            asked,
+            bounds,
+            start=start,
+            to=to,
+            position=position,
+            rise_time=rise_time,
+            order=bounded,
+            method=method,
         )
     proofs: list[Table | str] = []
     certificate = _certificate(plan) if certify else None

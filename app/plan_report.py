@@ -77,6 +77,11 @@ def _peaks_table(plan: Plan) -> Table:
     title = f"Move of order {move.order}, {move.duration:.10g} s"
     table = plain_table(title, "", "peak", "limit", "unit", "at its limit")
     binding = _binding(plan)
+    if plan.limits.position != (-inf, inf):
+        least, most, low, high = (
+            f"{x / plan.scale + 0.0:.9g}" for x in (*move.extremes(0), *plan.limits.position)
+        )
+        table.add_row("position", f"{least} … {most}", f"{low} … {high}", unit, binding[0])
     for k in range(1, move.order + 1):
         lower, upper = (side / plan.scale for side in plan.limits.bounds(k))
         limit = f"{upper:.9g}" if upper == -lower else f"{lower:.9g} … {upper:.9g}"
@@ -95,12 +100,12 @@ def _binding(plan: Plan) -> dict[int, str]:
     move, limits = plan.trajectory, plan.limits
     active = binding_limits(move, limits)
     told = {}
-    for k in range(1, move.order + 1):
+    for k in range(move.order + 1):
         spans = [t for t, some in zip(move.durations, active, strict=True) if k in some]
         share = 100.0 * sum(spans) / move.duration if spans else 0.0
         lower, upper = (side * (1.0 - BINDING_RTOL) for side in limits.bounds(k))
         least, most = move.extremes(k)
-        touched = bool(len(active)) and (most >= upper or least <= lower)
+        touched = bool(len(active)) and (most >= upper > 0.0 or least <= lower < 0.0)
         told[k] = f"{share:.3g} % of the time" if share else "touched" if touched else ""
     return told
 

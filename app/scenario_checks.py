@@ -152,10 +152,10 @@ def read_bound(named: tuple[str, object], info: ValidationInfo) -> Bound:
     if not isinstance(value, list):
         return _context(info).moved(value, derivative, positive=True)
     sides = [_context(info).moved(side, derivative) for side in value[:2]]
-    if len(value) != 2 or not sides[0] < 0.0 < sides[1]:
+    if len(value) != 2 or not sides[0] <= 0.0 <= sides[1] or sides[0] == sides[1]:
         raise ValueError(
             f"{show(value)} is not a pair around zero; write one quantity, "
-            "or [lower, upper] with lower < 0 < upper"
+            "or [lower, upper] with lower ≤ 0 ≤ upper"
         )
     return sides[0], sides[1]
 

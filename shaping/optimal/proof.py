@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from math import inf, isinf
+from math import inf, isfinite, isinf
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ Slopes = tuple[tuple[float, float], ...]
 """dT/d(lower bound), dT/d(upper bound) of position and derivatives 1 … n."""
 
 _FORMAT = "jounce minimum-time proof, 1"
+_OF_TAYLOR = ("derivative", "remainder", "sign")
 
 
 @dataclass(frozen=True)
@@ -173,16 +174,18 @@ class Proof:
             if data.pop("format") != _FORMAT:
                 raise ValueError
             links = tuple(map(_link, data.pop("links")))
-            lower = _numbers(data.pop("lower"), -inf)
-            upper = _numbers(data.pop("upper"), inf)
-            bound = data.pop("lower_bound")
-            start, end = (_numbers(data.pop(name), inf) for name in ("start", "end"))
+            lower = tuple(number(x, -inf) for x in data.pop("lower"))
+            upper = tuple(number(x, inf) for x in data.pop("upper"))
+            bound = number(data.pop("lower_bound"), inf)
+            start, end = (_numbers(data.pop(name)) for name in ("start", "end"))
+            if not len(lower) == len(upper) == len(start) + 1 == len(end) + 1:
+                raise ValueError
         except (KeyError, TypeError, AttributeError, ValueError):
             raise ValueError(
                 f"a text that begins with {text[:40]!r} is no proof: expected what "
                 "certificate.save wrote"
             ) from None
-        return cls(start, end, lower, upper, links, inf if bound is None else float(bound))
+        return cls(start, end, lower, upper, links, bound)
 
     def save(self, path: str | Path) -> None:
         """Write it to a file."""
@@ -199,32 +202,50 @@ class Proven:
     proof: Proof
 
 
+def number(value: object, missing: float | None = None) -> float:
+    """Return a finite number out of JSON, `missing` for null; ValueError for anything else."""
+    if value is None and missing is not None:
+        return missing
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError
+    return float(value)
+
+
 def _link(data: dict[str, Any]) -> Link:
-    kind = data.pop("kind")
-    high = inf if data["high"] is None else data["high"]
+    kind, low, high = data["kind"], number(data["low"]), number(data["high"], inf)
     if kind == "TaylorLink":
-        return TaylorLink(**{**data, "high": high})
+        return TaylorLink(low, high, *(_whole(data[name]) for name in _OF_TAYLOR))
     if kind == "CruisingLink":
-        onto, off = (Ramp(data[name]["time"], *_measures(data[name])) for name in ("onto", "off"))
-        return CruisingLink(data["low"], high, data["sign"], onto, off, data["cruise"])
+        onto, off = (
+            Ramp(number(data[name]["time"]), *_measures(data[name])) for name in ("onto", "off")
+        )
+        return CruisingLink(low, high, _whole(data["sign"]), onto, off, number(data["cruise"]))
     cells, atoms, densities = _measures(data)
-    multipliers = (cells, _numbers(data["ends"], inf), atoms, densities)
+    multipliers = (cells, _numbers(data["ends"]), atoms, densities)
     if kind == "MirroredLink":
-        return MirroredLink(data["low"], high, *multipliers, data["cruise"])
-    return CostateLink(data["low"], high, *multipliers, data["free"])
+        return MirroredLink(low, high, *multipliers, number(data["cruise"]))
+    if kind == "CostateLink":
+        return CostateLink(low, high, *multipliers, data["free"])
+    raise ValueError
 
 
 def _measures(data: dict[str, Any]) -> tuple[Any, Any, Any]:
     """Return cells, atoms and densities."""
     return (
-        _numbers(data["cells"], inf),
-        tuple((k, _numbers(row, inf)) for k, row in data["atoms"]),
-        tuple((k, tuple(_numbers(row, inf) for row in rows)) for k, rows in data["densities"]),
+        _numbers(data["cells"]),
+        tuple((_whole(k), _numbers(row)) for k, row in data["atoms"]),
+        tuple((_whole(k), tuple(map(_numbers, rows))) for k, rows in data["densities"]),
     )
 
 
-def _numbers(values: list[float | None], missing: float) -> Numbers:
-    return tuple(missing if value is None else float(value) for value in values)
+def _numbers(values: list[object]) -> Numbers:
+    return tuple(map(number, values))
+
+
+def _whole(value: object) -> int:
+    if int(number(value)) != value:
+        raise ValueError
+    return int(number(value))
 
 
 def _without_infinities(value: Any) -> Any:

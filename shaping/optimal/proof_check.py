@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise, zip_longest
 from math import comb, factorial, inf, lcm
 
@@ -44,24 +45,27 @@ def holds(proof: Proof) -> bool:
     return proof.lower_bound < inf and reached >= Fraction(proof.lower_bound)
 
 
+def polynomial_of(proof: Proof, link: Link) -> Row:
+    """Return the coefficients of c(T); none where the link uses a bound that is not there."""
+    if isinstance(link, TaylorLink):
+        return _taylor(proof, link)
+    if isinstance(link, MirroredLink):
+        return _mirrored_polynomial(proof, link)
+    if isinstance(link, CruisingLink):
+        return _cruising_polynomial(proof if link.sign > 0 else _opposite(proof), link)
+    return _costate_polynomial(_reversed(proof) if link.free == "end" else proof, link)
+
+
 def _excludes(proof: Proof, link: Link) -> bool:
     """Tell whether no motion takes a time between the link's."""
+    polynomial = polynomial_of(proof, link)
     if isinstance(link, TaylorLink):
-        polynomial = _taylor(proof, link)
         while polynomial and link.low == 0.0 and polynomial[0] == 0:
             polynomial = polynomial[1:]  # T > 0
-    elif isinstance(link, MirroredLink):
-        polynomial = _mirrored_polynomial(proof, link)
-    elif isinstance(link, CruisingLink):
-        polynomial = _cruising_polynomial(proof if link.sign > 0 else _opposite(proof), link)
-    elif link.free:
+    elif isinstance(link, CostateLink) and link.free:
         if any(link.ends) or link.free not in ("start", "end") or link.high != inf:
             return False
-        seen = proof if link.free == "start" else _reversed(proof)
-        polynomial = _costate_polynomial(seen, link)
         return sum(c * Fraction(link.low) ** k for k, c in enumerate(polynomial)) > 0
-    else:
-        polynomial = _costate_polynomial(proof, link)
     if link.high < inf:
         return _positive(polynomial, Fraction(link.low), Fraction(link.high))
     while polynomial and polynomial[-1] == 0:
@@ -129,7 +133,6 @@ def _reach(proof: Proof, ramp: Ramp) -> Row:
 
 
 def _costate_polynomial(proof: Proof, link: CostateLink) -> Row:
-    """Return the coefficients of c(T); none where the multipliers use a bound that is not there."""
     n = min(len(link.ends), len(proof.start))
     held = _held(link, n)
     if held is None:
@@ -176,8 +179,9 @@ class _Held:
     length: Fraction
 
 
+@lru_cache(maxsize=4)
 def _held(link: CostateLink | MirroredLink, n: int) -> _Held | None:
-    """Return the sums; None where the rows do not fit."""
+    """Return the sums, which no bound changes; None where the rows do not fit."""
     count = len(link.cells)
     atoms = {k: list(map(Fraction, row)) for k, row in link.atoms}
     densities = {k: [list(map(Fraction, row)) for row in rows] for k, rows in link.densities}

@@ -10,6 +10,7 @@ from references import END_POSITION, UNITS, thompson_order_2, thompson_order_3
 
 from jounce.app.plan import HIGHEST_DERIVATIVE, derivative_key, plan_move
 from jounce.app.units import UnitError
+from jounce.shaping import InfeasibleError
 
 DEGREE = math.pi / 180
 ARCSEC = DEGREE / 3600
@@ -50,6 +51,23 @@ def test_only_the_highest_derivative_bounded(order):
     expected = (2 * DIVISORS[order] / 7) ** (1 / order)
     assert plan.trajectory.duration == pytest.approx(expected, rel=1e-13)
     assert plan.trajectory.order == order
+
+
+def test_bounds_of_zero_and_on_position_are_taken_as_in_python():
+    bounds = {1: "0 m/s, 20 m/s", 2: "-4 m/s^2, 1 m/s^2", 3: "10 m/s^3"}
+    plan = plan_move("60 m", bounds, position="0 m, 60 m")
+    assert plan.limits.bounds("velocity") == (0.0, 20.0)
+    assert plan.limits.position == (0.0, 60.0)
+    assert plan.trajectory.violation(plan.limits) <= 1e-12
+    assert plan.trajectory.duration == pytest.approx(12.5, rel=1e-4)  # as with neither
+    with pytest.raises(InfeasibleError, match="velocity bound 0 stands in the way; lower it"):
+        plan_move("-60 m", bounds)
+
+
+@pytest.mark.parametrize("text", ["60 m", "60 m, 0 m", "0 m, 0 m", "0 m, 1 m, 2 m"])
+def test_positions_that_are_no_pair_are_refused(text):
+    with pytest.raises(UnitError, match=r"position limit: .* is not a pair of positions; write"):
+        plan_move("60 m", {2: "1 m/s^2"}, position=text)
 
 
 def test_a_rise_time_fixes_the_highest_bound():

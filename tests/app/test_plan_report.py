@@ -28,6 +28,17 @@ def test_switch_rows_have_full_precision_and_their_units():
     assert all(math.copysign(1.0, value) > 0 for row in rows for value in row if value == 0.0)
 
 
+def test_bounds_on_position_have_a_row_and_one_of_zero_is_not_told_as_touched_at_rest():
+    bounds = {1: "0 m/s, 20 m/s", 2: "-4 m/s^2, 1 m/s^2"}
+    text = shown(plan_tables(plan_move("60 m", bounds, position="0 m, 70 m")))
+    position, velocity = (
+        next(line for line in text.splitlines() if line.split()[:1] == [name])
+        for name in ("position", "velocity")
+    )
+    assert position.split() == ["position", "0", "…", "60", "0", "…", "70", "m"]
+    assert velocity.split()[2:] == ["0", "…", "20", "m/s"]
+
+
 def plan_of_order(order: int):
     bounds = {order: f"4e{order // 2} mm/s^{order}" if order > 1 else "4 mm/s"}
     return plan_move("2 mm", bounds)

@@ -35,6 +35,14 @@ def gains_table(kp: float, ki: float, kr: float) -> str:
     return f'gains = {{kp = "{kp!r} N m/rad", ki = "{ki!r} N m/(rad s)", kr = "{kr!r} N m s/rad"}}'
 
 
+def test_a_bound_of_zero_on_one_side_is_one_way(write):
+    one_way = 'velocity = ["0 mm/s", "50 mm/s"]\nacceleration'
+    scenario = load_scenario(write(LINEAR.replace("acceleration", one_way, 1)))
+    assert scenario.moves[0].bounds == ((0.0, pytest.approx(0.05)), pytest.approx(0.2))
+    with pytest.raises(ValueError, match=r"is not a pair around zero; .* lower ≤ 0 ≤ upper"):
+        load_scenario(write(LINEAR.replace("acceleration", one_way.replace("50", "0"), 1)))
+
+
 def test_a_linear_axis(write):
     found = survey_file(write(LINEAR))
     closed = np.roots([5.0, 40.0, 200.0, 50.0])

@@ -95,9 +95,10 @@ def _check_not_one_way(start: Numbers, end: Numbers, limits: Limits) -> None:
     for k in range(2, limits.order):
         if 0.0 in limits.bounds(k):
             name, below = derivative_name(k), derivative_name(k - 1)
+            sign = 1 if limits.bounds(k)[1] == 0.0 else -1
             raise InfeasibleError(
                 f"no motion within the limits leads from rest to rest: with a bound of 0 on {name} "
-                f"the {below} never comes back to zero; raise that bound",
+                f"the {below} never comes back to zero; {_widen(sign)} that bound",
                 name,
                 None,
             )
@@ -117,7 +118,8 @@ def _check_not_too_near(start: Numbers, end: Numbers, limits: Limits) -> None:
     nearer = Limits.from_bounds(pairs, position=between)
     plan = planned(start, end, nearer, ROUGHLY_RTOL, effort=_TO_TELL)
     if plan.search.dead_end is not None:
-        raise impossible(plan).headed("with a bound of 0 on velocity there is no turning back: ")
+        error = impossible(plan, limits.position)
+        raise error.headed("with a bound of 0 on velocity there is no turning back: ")
 
 
 def warn_if_far(plan: _Bounded, rtol: float, duration: float) -> None:
@@ -137,8 +139,11 @@ def warn_if_far(plan: _Bounded, rtol: float, duration: float) -> None:
         )
 
 
-def impossible(plan: Plan) -> InfeasibleError:
-    """Return the error for a problem that is proven to have no motion: which bound, and when."""
+def impossible(plan: Plan, position: tuple[float, float] | None = None) -> InfeasibleError:
+    """Return the error for a problem that is proven to have no motion: which bound, and when.
+
+    `position` are the caller's bounds where the plan has the two ends in their place.
+    """
     link, dead = plan.proof.links[-1], plan.search.dead_end
     if isinstance(link, TaylorLink):
         k, sign, wrong = link.remainder, link.sign, link.derivative
@@ -150,7 +155,9 @@ def impossible(plan: Plan) -> InfeasibleError:
     if dead is None:
         later = LaterReason(lambda: _no_way(plan, bound, wrong))
     else:
-        later = LaterReason(lambda: _of_dead_end(plan, bound, dead))
+        passed = position is not None and k == 0 and _side(plan, k, sign) not in position
+        later = LaterReason(lambda: _of_dead_end(plan, bound, dead, passed))
+        k = 1 if passed else k
     return InfeasibleError(later, derivative_name(k))
 
 
@@ -167,8 +174,8 @@ def _no_way(plan: Plan, bound: tuple[int, int], wrong: int) -> Reason:
         end = f"end with {other} = {nearest[0]!r}, the nearest that was found"
     return Reason(
         "no motion within the limits leads from the start to the end, in whatever time: the "
-        f"{derivative_name(k)} bound {_side(plan, k, sign):g} stands in the way; raise it, or "
-        f"{end}",
+        f"{derivative_name(k)} bound {_side(plan, k, sign):g} stands in the way; "
+        f"{_widen(sign)} it, or {end}",
         *_attributes(nearest, None),
     )
 
@@ -190,8 +197,8 @@ def _not_found(plan: Plan) -> Reason:
 
 
 @np.errstate(all="ignore")
-def _of_dead_end(plan: Plan, bound: tuple[int, int], dead: DeadEnd) -> Reason:
-    """Return the reason where the start or the end is a dead end."""
+def _of_dead_end(plan: Plan, bound: tuple[int, int], dead: DeadEnd, passed: bool) -> Reason:
+    """Return the reason where the start or the end is a dead end, or would pass the other one."""
     (k, sign), effort = bound, Effort(_TO_TELL)
     name, highest = derivative_name(k), derivative_name(plan.problem.order)
     time = ldexp(kept_until(plan.search.problem, dead, effort), plan.time)
@@ -207,10 +214,13 @@ def _of_dead_end(plan: Plan, bound: tuple[int, int], dead: DeadEnd) -> Reason:
             named = f"{derivative_name(derivative)} = {nearest[0]!r}"
             remedy = f"{side} with {named}, the nearest that was found"
             break
+    limit, other = f"{_side(plan, k, sign):g}", "start" if dead.backwards else "end"
+    broken, way = f"{name} would exceed its bound {limit}", f"{_widen(sign)} that bound"
+    if passed:
+        broken, way = f"position would pass {limit}, the {other},", f"{other} further away"
     return Reason(
-        f"no motion within the limits {verb} the {side}: {name} would exceed its bound "
-        f"{_side(plan, k, sign):g} about {time:.3g} {when}, whatever the {highest}; raise that "
-        f"bound, or {remedy}",
+        f"no motion within the limits {verb} the {side}: {broken} about {time:.3g} {when}, "
+        f"whatever the {highest}; {way}, or {remedy}",
         *_attributes(nearest, -time if dead.backwards else time),
     )
 
@@ -250,6 +260,11 @@ def _has_motion(plan: Plan, problem: WholeProblem, mended: str, effort: Effort) 
         return True
     found = roughly_planned(problem, effort)
     return not found.impossible and found.search.best is not None
+
+
+def _widen(sign: int) -> str:
+    """Return what is to be done to an upper or a lower bound."""
+    return "raise" if sign > 0 else "lower"
 
 
 def _side(plan: Plan, k: int, sign: int) -> float:

@@ -163,6 +163,15 @@ def test_bounds_that_differ_between_directions_give_a_true_bound():
     assert 0.8 * move.duration <= proof.lower_bound <= move.duration
 
 
+def test_bounds_on_jerk_decades_apart_are_proven_over_the_whole_horizon():
+    """Jerk from 1 down to −r: T³ = 12·R/r at the most, as acceleration falls all the while."""
+    limits = Limits(velocity=1.0, acceleration=1.0, jerk=(-1e-3, 1.0), snap=1.0)
+    proof = certify(min_time_move(1.0, limits), limits)
+    assert proof.reached
+    assert proof.check()
+    assert proof.duration == pytest.approx((12.0 / 1e-3) ** (1.0 / 3.0), rel=1e-2)
+
+
 def test_a_smooth_move_that_is_not_optimal():
     move = min_jerk_move(1.0, duration=1.0)
     peaks = [move.peak(k) for k in (1, 2)]

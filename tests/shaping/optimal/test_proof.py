@@ -1,5 +1,6 @@
 """Certificates as data: saved, loaded, checked; what was tampered with does not hold."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -61,6 +62,69 @@ def test_a_falsified_proof_does_not_hold(certificate):
 def test_a_certificate_that_claims_more_than_its_proof_does_not_hold(certificate):
     assert not replace(certificate, lower_bound=1.001 * certificate.lower_bound).check()
     assert not replace(certificate, gap=0.5 * certificate.gap).check()
+
+
+FALSE = {
+    "a duration below the bound": lambda made: {"duration": 0.5 * made.lower_bound},
+    "a longer duration": lambda made: {"duration": 1.1 * made.duration},
+    "a larger gap": lambda made: {"gap": made.gap + 0.1},
+    "a bound that costs nothing": lambda made: {
+        "slopes": tuple((0.9 * low, 0.9 * high) for low, high in made.slopes)
+    },
+    "no slopes": lambda _: {"slopes": ()},
+    "other sensitivities": lambda made: {"sensitivities": made.sensitivities[::-1]},
+    "no sensitivities": lambda _: {"sensitivities": ()},
+}
+
+
+@pytest.mark.parametrize("how", FALSE)
+def test_what_a_certificate_says_besides_has_to_fit(certificate, how):
+    assert certificate.check()
+    assert not replace(certificate, **FALSE[how](certificate)).check()
+
+
+@pytest.mark.parametrize(
+    ("distance", "bounds"),
+    [(-1.0, [(-1, 2), 4.0, (-30, 60), 400]), (2000.0, [20.0, (-4, 1), 10.0, 100.0]), (1.0, [2, 9])],
+)
+def test_slopes_are_checked_for_every_kind_of_proof(distance, bounds):
+    limits = Limits.from_bounds(bounds)
+    made = certify(min_time_move(distance, limits), limits)
+    assert made.check()
+    other = tuple((0.99 * low, 0.99 * high) for low, high in made.slopes)
+    assert not replace(made, slopes=other).check()
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (["proof", "links", 0, "low"], None),
+        (["proof", "links", 0, "low"], "0.0"),
+        (["proof", "links", 0, "kind"], "Link"),
+        (["proof", "links", -1, "ends", 0], float("inf")),
+        (["proof", "links", -1, "cells", 0], float("nan")),
+        (["proof", "links", 0, "derivative"], 0.5),
+        (["proof", "end", 0], None),
+        (["proof", "upper", 2], "9"),
+        (["proof", "upper"], [None]),
+        (["duration"], "1"),
+        (["rtol"], -1.0),
+    ],
+    ids=str,
+)
+def test_numbers_that_are_none_are_refused_where_the_file_is_read(
+    certificate, path, value, tmp_path
+):
+    certificate.save(tmp_path / "proof.json")
+    data = json.loads((tmp_path / "proof.json").read_text())
+    part = data
+    for key in path[:-1]:
+        part = part[key]
+    assert path[-1] in part or isinstance(part, list)
+    part[path[-1]] = value
+    (tmp_path / "proof.json").write_text(json.dumps(data))
+    with pytest.raises(ValueError, match=r"holds no certificate: expected what certificate.save"):
+        Certificate.load(tmp_path / "proof.json")
 
 
 def test_from_rest_to_rest_one_link_is_enough():

@@ -76,6 +76,29 @@ def test_too_near_to_stop_is_told_with_the_nearest_end():
     assert there.violation(forward) <= 1e-12
 
 
+STOPS = Limits(velocity=1.0, acceleration=2.0, jerk=5.0, snap=40.0, position=(-0.1, 1.2))
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "limits", "remedy"),
+    [
+        ((1.1, 0.9), 0.0, STOPS, r"position would exceed its bound 1\.2 .*; raise that bound"),
+        ((-0.05, -0.9), 1.0, STOPS, r"would exceed its bound -0\.1 .*; lower that bound"),
+        (0.0, (-0.05, 0.9), STOPS, r"would exceed its bound -0\.1 .*; lower that bound"),
+        (0.0, -1.0, Limits((0.0, 1.0), 2.0, 5.0), "velocity bound 0 stands .*; lower it, or end"),
+        (0.0, 1.0, Limits((-1.0, 0.0), 2.0, 5.0), "velocity bound 0 stands .*; raise it, or end"),
+        (0.0, 1.0, Limits(None, (0.0, 2.0), 5.0), "never comes back to zero; lower that bound"),
+        (0.0, -1.0, Limits(None, (-2.0, 0.0), 5.0), "never comes back to zero; raise that bound"),
+        ((0.0, 0.5), 0.05, Limits((0.0, 1.0), 2.0), r"pass 0\.05, the end, .*; end further away"),
+        (0.0, (0.05, 0.5), Limits((0.0, 1.0), 2.0), r"pass 0, the start, .*; start further away"),
+    ],
+    ids=str,
+)
+def test_the_remedy_widens_the_bound_that_stands_in_the_way(start, end, limits, remedy):
+    with pytest.raises(InfeasibleError, match=remedy):
+        min_time_transfer(start, end, limits)
+
+
 def test_an_error_keeps_what_it_knows_through_pickling_and_axes():
     with pytest.raises(InfeasibleError, match=re.escape("from point [0.0, 0.0]")) as caught:
         through([[0.0, 0.0], [1.0, -1.0]], Limits(velocity=(0.0, 1.0), acceleration=1.0, jerk=2.0))
