@@ -57,11 +57,12 @@ def min_time_move(
     Raises
     ------
     InfeasibleError
-        Where a bound on position or one that is zero on a side leaves no motion.
+        Where a bound on position or one that is zero on a side leaves no motion; for a duration
+        below the minimum, which it names.
     ValueError
         For a distance or start that is not finite, an unknown method, an order above 14, a
-        bound that is missing in the direction that the move needs, a duration below the minimum,
-        which it names, or one outside the range of a double.
+        bound that is missing in the direction that the move needs, or a duration outside the
+        range of a double.
 
     Warns
     -----
