@@ -10,6 +10,7 @@ from .checks import in_range, positive
 from .endings import slowed_to
 from .limits import Limits
 from .trajectory import Trajectory
+from .transfers.infeasible import InfeasibleError
 
 if TYPE_CHECKING:
     from .transfers.problem import Problem, Transfer
@@ -36,9 +37,10 @@ def move_lasting(
     least = move.duration
     wanted = _whole_samples(least if duration is None else positive("duration", duration), round_to)
     if wanted < least * (1.0 - _ROUNDING):
-        raise ValueError(
+        raise InfeasibleError(
             f"duration = {duration!r} is shorter than the least within these limits, {least!r}: "
-            "give that or more, or raise the limits"
+            "give that or more, or raise the limits",
+            "",
         )
     if least == 0.0:
         return move.until(wanted)
@@ -59,7 +61,7 @@ def transfer_lasting(problem: Problem, duration: float | None, round_to: float |
 
     Raises
     ------
-    ValueError
+    InfeasibleError
         For a duration that the transfer cannot take: it names those next to it.
     """
     fastest = problem.fastest()
@@ -71,9 +73,10 @@ def transfer_lasting(problem: Problem, duration: float | None, round_to: float |
         return fastest
     possible = problem.possible_durations()
     if not any(_within(wanted, interval) for interval in possible):
-        raise ValueError(
+        raise InfeasibleError(
             f"duration = {duration!r} is none that this transfer can take: possible are those "
-            f"{_told(possible)}; give one of them, or raise the limits"
+            f"{_told(possible)}; give one of them, or raise the limits",
+            "",
         )
     return _gentlest(problem, wanted)
 
@@ -134,9 +137,10 @@ def _next_multiple(least: float, round_to: float | None, problem: Problem) -> fl
         wanted = _whole_samples(max(interval[0], least), round_to)
         if _within(wanted, interval):
             return wanted
-    raise ValueError(
+    raise InfeasibleError(
         f"round_to = {round_to!r}: no multiple of it is a duration that this transfer can take; "
-        "use a shorter sample time"
+        "use a shorter sample time",
+        "",
     )
 
 

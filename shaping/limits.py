@@ -66,9 +66,9 @@ class Limits(Told, Frozen):
 
     Notes
     -----
-    `min_time_move`, `min_time_transfer`, `synchronize` (but on a line), `through` and what tells
-    of one motion (`certify`, `binding_limits`, `violation`) take bounds on position and bounds
-    that are zero on a side; everything else takes neither and says so.
+    `min_time_move`, `min_time_transfer`, `min_time_transfers`, `synchronize` (but on a line),
+    `through` and what tells of one motion (`certify`, `binding_limits`, `violation`) take bounds
+    on position and bounds that are zero on a side; everything else takes neither and says so.
 
     Examples
     --------
@@ -300,8 +300,8 @@ def check_plain(limits: Limits) -> None:
         return
     what = "bound on position" if limits.bounds_position else "bound that is zero on one side"
     raise ValueError(
-        f"limits = {shown(limits)} have a {what}: only min_time_move and min_time_transfer, and "
-        "by them synchronize and through, plan with one; leave it out here"
+        f"limits = {shown(limits)} have a {what}: only min_time_move and min_time_transfer(s), "
+        "and by them synchronize and through, plan with one; leave it out here"
     )
 
 

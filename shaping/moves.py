@@ -57,11 +57,12 @@ def min_time_move(
     Raises
     ------
     InfeasibleError
-        Where a bound on position or one that is zero on a side leaves no motion.
+        Where a bound on position or one that is zero on a side leaves no motion; for a duration
+        below the minimum, which it names.
     ValueError
         For a distance or start that is not finite, an unknown method, an order above 14, a
-        bound that is missing in the direction that the move needs, a duration below the minimum,
-        which it names, or one outside the range of a double.
+        bound that is missing in the direction that the move needs, or a duration outside the
+        range of a double.
 
     Warns
     -----
@@ -83,8 +84,8 @@ def min_time_move(
     rigorous bounds, by at most 1.1 % (n = 4), 12 % (n = 5) and 8.4 % (n = 6), "optimal" by at
     most 0.01 %; `certify` proves how near it is. It takes 20 to 120 ms at orders 4 to 6, half a
     second at orders 8 to 10 and some seconds with limits many decades apart, a closed form less
-    than one millisecond, two where bounds differ between directions. Closed forms change smoothly
-    with their limits, moves of "optimal" to within their gap only.
+    than one millisecond, one to nine by order where bounds differ between directions. Closed
+    forms change smoothly with their limits, moves of "optimal" to within their gap only.
 
     Bounds that differ between directions are used exactly, those on even derivatives from n = 4 to
     10 by programs over the whole horizon as in `min_time_transfer`. Closed forms, from n = 4 on,

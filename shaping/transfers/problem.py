@@ -100,6 +100,10 @@ def check_orders(limits: Limits) -> None:
     """Refuse limits that transfers cannot be planned with, of one or of many."""
     n = limits.order
     if n not in (2, 3):
+        if n == 1:
+            raise ValueError(
+                "limits of order 1: expected order 2 or above; bound the acceleration, too"
+            )
         raise ValueError(
             f"limits of order {n}: expected order 2 (acceleration) or 3 (jerk) here; at orders up "
             "to 10 min_time_transfer plans one motion at a time"

@@ -53,10 +53,11 @@ def min_time_transfer(
     ------
     InfeasibleError
         Where the end cannot be reached within the limits. It names the bound, and the nearest
-        value that can be reached or the time at which the bound would be exceeded.
+        value that can be reached or the time at which the bound would be exceeded. Or where it
+        cannot be in the duration given.
     ValueError
         For numbers that are not finite, limits of another order, a highest bound in one direction
-        only, a duration that is not possible, or times outside the range of a double.
+        only, or times outside the range of a double.
 
     Warns
     -----

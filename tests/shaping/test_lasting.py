@@ -5,7 +5,7 @@ import pytest
 from sampled_motions import least_share
 from tiers import some
 
-from jounce.shaping import Limits, min_time_move, min_time_transfer
+from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_transfer
 
 LIMITS = [
     Limits(velocity=2.0),
@@ -17,6 +17,15 @@ LIMITS = [
     Limits(acceleration=(-2.0, 5.0), jerk=(-20.0, 9.0)),
     Limits(velocity=2.0, acceleration=3.0, jerk=20.0, snap=300.0),
 ]
+
+
+@pytest.mark.parametrize("limits", LIMITS, ids=repr)
+def test_a_duration_that_is_not_possible_is_told_in_one_way_at_every_order(limits):
+    with pytest.raises(InfeasibleError, match=r"^duration = 1e-06 is "):
+        min_time_move(1.0, limits, duration=1e-6)
+    if limits.order > 1:
+        with pytest.raises(InfeasibleError, match=r"^duration = 1e-06 is "):
+            min_time_transfer((0.0, 0.5), 1.0, limits, duration=1e-6)
 
 
 def assert_keeps(motion, limits, distance, duration):
