@@ -31,20 +31,22 @@ _SHORTEST = 1e-7  # of the duration: averages are no shorter, and joints no near
 _NEXT_TO_NOTHING = 2e-3  # of the duration: then a search that takes long finds no more
 _LITTLE = 0.1  # of the effort, that is left for it
 _PART = 0.25  # of the gap asked for: that of fewer derivatives
+_RAMPS = 0.1  # of the time: those within the least of the highest bound that is tried
+_LESS, _TRIED = 8.0, 4  # times as much of it each time
 _QUICKER, _SLOWER, _STEPS = 0.125, 1.1, 100  # widths of a piece that is tried first; the next ones
 _CORRECTIONS = 3  # so that zero is zero, and the end exact
 
 _Pieces = tuple[RealArray, RealArray]
 
 
-def begun(problem: WholeProblem, rtol: float, effort: Effort) -> Search:
+def begun(search: Search, rtol: float, effort: Effort) -> Search:
     """Return a search to be run; where fewer derivatives tell that there is no motion, theirs."""
-    search = Search(problem)
+    problem = search.problem
     order, width = _fewer(problem)
     ramps = (problem.order - order) * width
     if not ramps <= _SHORT * search.lower < inf:
         return search
-    below = begun(problem.below(order), _PART * rtol, effort)
+    below = begun(Search(problem.below(order), after=search.after), _PART * rtol, effort)
     below.run(_PART * rtol, effort=effort)
     if below.lower == inf or below.dead_end is not None:
         return below
@@ -56,6 +58,25 @@ def begun(problem: WholeProblem, rtol: float, effort: Effort) -> Search:
     if ramps <= _NEXT_TO_NOTHING * below.lower:
         effort.left = min(effort.left, _LITTLE * EFFORT)
     return search
+
+
+def with_less(problem: WholeProblem, time: float) -> list[WholeProblem]:
+    """Return the problem with less and less little of a highest bound that hardly matters.
+
+    With the least of it the ramps take a tenth of the time: a motion of a duration within less of
+    the bound is one within all of it, and gentle.
+    """
+
+    def ramps(share: float) -> float:
+        order, width = _fewer(problem.with_share(share))
+        return (problem.order - order) * width
+
+    if not ramps(1.0) <= _SHORT * time:
+        return []
+    shares = [1.0]
+    while ramps(shares[-1] / _LESS) <= _RAMPS * time:
+        shares.append(shares[-1] / _LESS)
+    return [problem.with_share(share) for share in shares[:0:-1][:_TRIED]]
 
 
 def _fewer(problem: WholeProblem) -> tuple[int, float]:
@@ -85,10 +106,11 @@ def _averaged(
         np.linalg.solve(_average(m, n - m, w), np.asarray(state[:m], float))
         for state, w in ((after, -width), (before, width))
     )
+    beside = (n - m) * width + float(onto[0].sum() + off[0].sum())
     between = Search(
         WholeProblem(start, end, below.problem.lower, below.problem.upper),
         below.nodes,
-        after=below.lower,
+        after=max(below.lower - beside, 0.0),
     )
     between.guide = below.guide
     between.run(_PART * rtol, effort=effort)
