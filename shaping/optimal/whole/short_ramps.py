@@ -26,7 +26,7 @@ from .sampled import Sampled
 from .search import Search
 from .warm_program import EFFORT, Effort
 
-_SHORT = 0.02  # of the duration: averages that take longer tell little
+_SHORT = 0.04  # of the duration: averages that take longer tell little
 _SHORTEST = 1e-7  # of the duration: averages are no shorter, and joints no nearer
 _NEXT_TO_NOTHING = 2e-3  # of the duration: then a search that takes long finds no more
 _LITTLE = 0.1  # of the effort, that is left for it
@@ -34,7 +34,8 @@ _PART = 0.25  # of the gap asked for: that of fewer derivatives
 _RAMPS = 0.1  # of the time: those within the least of the highest bound that is tried
 _LESS, _TRIED = 8.0, 4  # times as much of it each time
 _QUICKER, _SLOWER, _STEPS = 0.125, 1.1, 100  # widths of a piece that is tried first; the next ones
-_CORRECTIONS = 3  # so that zero is zero, and the end exact
+_CORRECTIONS = 3  # so that zero is zero
+_ATTEMPTS = 20  # so that the end is exact: roundings of each are others
 
 _Pieces = tuple[RealArray, RealArray]
 
@@ -129,7 +130,7 @@ def _joined(
     n, m = problem.order, len(between.states) - 1
     levels, widths = between.states[m, :-1], np.array([width], np.longdouble)
     back = np.linalg.pinv(np.asarray(effects(between.durations, m), float))
-    for _ in range(_CORRECTIONS):
+    for _ in range(_ATTEMPTS):
         lengths, inputs = averaged_inputs(between.durations[None], levels[None], widths, n - m)
         inputs[np.abs(inputs) <= ROUNDING * np.abs(inputs).max()] = 0.0
         some = lengths[0] > 0.0
@@ -137,11 +138,11 @@ def _joined(
         inputs = np.concatenate([onto[1], inputs[0, some], (-1.0) ** n * off[1][::-1]])
         states = propagated(problem.start, durations, inputs, still=m)
         missed = problem.end - states[:n, -1]
+        if (np.abs(missed) <= MISSED * np.abs(states[:n]).max(axis=1)).all():
+            found = Repaired(durations, states, float(durations.sum()))
+            return found if excess(problem, found) <= EXCESS else None
         levels = levels + back @ missed[:m]
-    found = Repaired(durations, states, float(durations.sum()))
-    sizes = np.abs(states[:n]).max(axis=1)
-    kept = (np.abs(missed) <= MISSED * sizes).all() and excess(problem, found) <= EXCESS
-    return found if kept else None
+    return None
 
 
 def _average(order: int, count: int, width: float) -> FloatArray:
