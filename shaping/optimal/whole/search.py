@@ -119,6 +119,8 @@ class Search:
         first = self.lower
         self.effort = effort or Effort()
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
+            if self.rounds and self.effort.left <= 0.0:
+                return
             self._round(rtol)
             self.rounds += 1
             if self.rounds <= _DOUBTFUL and self.best is None:
@@ -157,7 +159,7 @@ class Search:
             self.guide = motion
         if self.best is None and found is not None and found.missing <= _NO_ROOM * self._margin:
             self._margin *= _LITTLE_ROOM
-        if self.gap > rtol:
+        if self.gap > rtol and self.effort.left > 0.0:
             idle = self.lower <= before * (1.0 + 0.02 * rtol)
             slow = _SLOW * gap < self.gap < inf
             self.nodes = self._refined(relaxed, rows, found, motion, (idle, slow))

@@ -30,6 +30,7 @@ _SHORT = 0.04  # of the duration: averages that take longer tell little
 _SHORTEST = 1e-7  # of the duration: averages are no shorter, and joints no nearer
 _NEXT_TO_NOTHING = 2e-3  # of the duration: then a search that takes long finds no more
 _LITTLE = 0.1  # of the effort, that is left for it
+_SHARE = 0.5  # of the effort: each search with fewer derivatives takes no more
 _PART = 0.25  # of the gap asked for: that of fewer derivatives
 _RAMPS = 0.1  # of the time: those within the least of the highest bound that is tried
 _LESS, _TRIED = 8.0, 4  # times as much of it each time
@@ -47,8 +48,10 @@ def begun(search: Search, rtol: float, effort: Effort) -> Search:
     ramps = (problem.order - order) * width
     if not ramps <= _SHORT * search.lower < inf:
         return search
-    below = begun(Search(problem.below(order), after=search.after), _PART * rtol, effort)
-    below.run(_PART * rtol, effort=effort)
+    part = _share_of(effort)
+    below = begun(Search(problem.below(order), after=search.after), _PART * rtol, part)
+    below.run(_PART * rtol, effort=part)
+    effort.left += part.left
     if below.lower == inf or below.dead_end is not None:
         return below
     search.chain, search.lower = below.chain, below.lower
@@ -59,6 +62,13 @@ def begun(search: Search, rtol: float, effort: Effort) -> Search:
     if ramps <= _NEXT_TO_NOTHING * below.lower:
         effort.left = min(effort.left, _LITTLE * EFFORT)
     return search
+
+
+def _share_of(effort: Effort) -> Effort:
+    """Return what a search with fewer derivatives may take of it, taken off it."""
+    part = Effort(_SHARE * effort.left)
+    effort.left -= part.left
+    return part
 
 
 def with_less(problem: WholeProblem, time: float) -> list[WholeProblem]:
@@ -114,7 +124,9 @@ def _averaged(
         after=max(below.lower - beside, 0.0),
     )
     between.guide = below.guide
-    between.run(_PART * rtol, effort=effort)
+    part = _share_of(effort)
+    between.run(_PART * rtol, effort=part)
+    effort.left += part.left
     if between.best is None:
         return None
     return _joined(problem, between.best, width, onto, off)
