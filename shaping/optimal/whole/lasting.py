@@ -16,14 +16,17 @@ from ..mesh import apart
 from .least_share import gentlest
 from .outcome import found_plan, impossible
 from .planner import DEFAULT_RTOL, Numbers, Plan, planned
+from .problem import WholeProblem
 from .repair import Repaired
 from .resting import resting
 from .search import Search
-from .warm_program import Effort
+from .short_ramps import begun, with_less
+from .warm_program import EFFORT, Effort
 
 _SAMPLES = 20  # multiples of a sample time that are tried
 _DOUBTFUL = 3  # of them below the motion found, not excluded: with more it is rounded up itself
 _MUCH_LONGER = 4.0  # times the least duration: then there may be time to rest in between
+_LITTLE = 0.05  # of the effort, within little of the highest bound
 _AT = 1e-12  # relative: a duration that is another
 _CLEAR = 2e-4  # relative: beyond what ends a blocked interval
 
@@ -119,10 +122,16 @@ def _lasting(plan: Plan, duration: float, effort: Effort) -> Trajectory:
 
 def _of_duration(plan: Plan, time: float, duration: float, effort: Effort) -> Repaired:
     problem, best = plan.search.problem, plan.search.best
+    long = not problem.at_rest and (best is None or time > _MUCH_LONGER * best.time)
+    for less in with_less(problem, time):
+        with np.errstate(all="ignore"):
+            found = _within_less(less, time, long)
+        if found is not None:
+            return found
     if problem.at_rest and best is not None and best.time < time:
         with np.errstate(all="ignore"):
             return gentlest(problem, plan.search.nodes, time, _slowed(best, time))
-    if best is None or time > _MUCH_LONGER * best.time:
+    if long:
         with np.errstate(all="ignore"):
             found = resting(problem, time)
         if found is not None:
@@ -136,6 +145,26 @@ def _of_duration(plan: Plan, time: float, duration: float, effort: Effort) -> Re
         raise no_duration(duration, "none was found, which is no proof that there is none")
     with np.errstate(all="ignore"):
         return gentlest(plan.search.problem, search.nodes, time, search.best)
+
+
+def _within_less(problem: WholeProblem, time: float, long: bool) -> Repaired | None:
+    """Return a gentle motion of a duration within little of the highest bound; None for none."""
+    effort = Effort(_LITTLE * EFFORT)
+    found = resting(problem, time) if long else None
+    if found is not None:
+        return found
+    search = Search(problem, after=time)
+    _look_at(search, time, effort)
+    if search.best is None or search.best.time > time * (1.0 + _AT):
+        return None
+    return gentlest(problem, search.nodes, time, search.best)
+
+
+def _look_at(search: Search, time: float, effort: Effort) -> None:
+    """Search until it is known whether a motion takes a time, or nothing more comes of it."""
+    with np.errstate(all="ignore"):
+        while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
+            search.run(_AT, search.rounds + 1, effort)
 
 
 def _next(plan: Plan, time: float, effort: Effort) -> Search:
@@ -156,11 +185,10 @@ def _from(plan: Plan, time: float, effort: Effort) -> Search:
     nearest = min([plan.search, *plan.search.later], key=lambda known: _away(known, time))
     nodes = np.union1d(np.linspace(0.0, 1.0, 17), nearest.nodes)
     nodes = nodes[apart(nodes, 1e-9)]
-    search = Search(plan.search.problem, nodes, after=time)
-    plan.search.later.append(search)
     with np.errstate(all="ignore"):
-        while search.gap > _AT and search.lower <= time * (1.0 + _AT) and not search.ended:
-            search.run(_AT, search.rounds + 1, effort)
+        search = begun(Search(plan.search.problem, nodes, after=time), DEFAULT_RTOL, effort)
+    plan.search.later.append(search)
+    _look_at(search, time, effort)
     return search
 
 

@@ -37,7 +37,8 @@ def gentlest(
     which it stands still, wherever that is: the motion that came stays there for longer than it
     takes to here, `time` being shorter than its own.
     """
-    problem, longer = _narrowed(problem, motion), motion.time - time
+    problem = problem.with_share(min(needed_share(problem, motion), 1.0))
+    longer = motion.time - time
     last, effort = inf, Effort(_EFFORT)
     for _ in range(_ROUNDS):
         at = None if rest is None else int(np.searchsorted(nodes, rest))
@@ -92,12 +93,6 @@ def _waiting(problem: WholeProblem, motion: Sampled, at: int, wait: float) -> Re
     first = repaired(replace(problem, end=place), before)
     second = repaired(replace(problem, start=place), after)
     return None if first is None or second is None else waiting_between(first, second, wait)
-
-
-def _narrowed(problem: WholeProblem, motion: Repaired) -> WholeProblem:
-    """Return the problem with no more of the highest bound than a motion needs."""
-    factors = np.append(np.ones(problem.order), min(needed_share(problem, motion), 1.0))
-    return replace(problem, lower=problem.lower * factors, upper=problem.upper * factors)
 
 
 def _switching(problem: WholeProblem, inputs: FloatArray, unit: float) -> NDArray[np.intp]:

@@ -193,7 +193,7 @@ def _planned(
         length = power_of_two(size)
         inner = (problem.mirrored() if problem.backward else problem).scaled(length, time)
         most = Effort(effort)
-        search = begun(inner, rtol, most)
+        search = begun(Search(inner), rtol, most)
         if search.best is None and 0.0 < search.lower < inf:
             search.best = near_flight(inner, search.lower)
         _run(search, rtol, most)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import factorial, frexp, ldexp
 
 import numpy as np
@@ -63,6 +63,11 @@ class WholeProblem:
         """
         sides = self.lower[: order + 1], self.upper[: order + 1]
         return WholeProblem(self.start[:order], self.end[:order], *sides)
+
+    def with_share(self, share: float) -> WholeProblem:
+        """Return the problem with a share of the highest bound."""
+        factors = np.append(np.ones(self.order), share)
+        return replace(self, lower=self.lower * factors, upper=self.upper * factors)
 
     def mirrored(self) -> WholeProblem:
         """Return the problem of the opposite direction."""

@@ -53,6 +53,8 @@ _FAR = 3.0  # times the duration that a round starts with: how far it goes witho
 _TOO_LONG = 300.0  # times the first duration excluded: without a motion by then the search ends
 _PATIENT = 3  # rounds with the whole margin for the repair
 _LESS_ROOM = 0.25  # of the margin in every later round: next to a stop it may cost much time
+_NO_ROOM = 10.0  # times the margin: a state so near to a dead end that no more is missing
+_LITTLE_ROOM = 0.01
 _BACK = 1e-5  # of the duration: the first step back to one that a grid excludes
 _STEPS_BACK = 4
 _SLOW = 0.7  # of the gap: a round that leaves more does not make the grid coarser anywhere
@@ -97,6 +99,7 @@ class Search:
         self.rounds = 0
         self.effort = Effort()
         self._sizes = np.ones(problem.order + 1)
+        self._margin = MARGIN
 
     @property
     def gap(self) -> float:
@@ -116,6 +119,8 @@ class Search:
         first = self.lower
         self.effort = effort or Effort()
         while self.lower < inf and self.gap > rtol and self.rounds < rounds:
+            if self.rounds and self.effort.left <= 0.0:
+                return
             self._round(rtol)
             self.rounds += 1
             if self.rounds <= _DOUBTFUL and self.best is None:
@@ -141,7 +146,7 @@ class Search:
         if self.lower == inf or self.gap <= rtol:
             return
         coarse = merged_parts(maps, parts, n)
-        margin = MARGIN * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
+        margin = self._margin * _LESS_ROOM ** max(self.rounds - _PATIENT, 0)
         if problem.may_hold and self.rounds == 0:
             margin = 0.0  # a bound that is held from start to end leaves no room
         rows = hull_rows(problem, coarse, self.nodes, self._sizes, margin)
@@ -152,7 +157,9 @@ class Search:
         found, motion = self._approach(program)
         if found is not None and found.missing <= _NEARLY:
             self.guide = motion
-        if self.gap > rtol:
+        if self.best is None and found is not None and found.missing <= _NO_ROOM * self._margin:
+            self._margin *= _LITTLE_ROOM
+        if self.gap > rtol and self.effort.left > 0.0:
             idle = self.lower <= before * (1.0 + 0.02 * rtol)
             slow = _SLOW * gap < self.gap < inf
             self.nodes = self._refined(relaxed, rows, found, motion, (idle, slow))

@@ -26,26 +26,32 @@ from .sampled import Sampled
 from .search import Search
 from .warm_program import EFFORT, Effort
 
-_SHORT = 0.02  # of the duration: averages that take longer tell little
+_SHORT = 0.04  # of the duration: averages that take longer tell little
 _SHORTEST = 1e-7  # of the duration: averages are no shorter, and joints no nearer
 _NEXT_TO_NOTHING = 2e-3  # of the duration: then a search that takes long finds no more
 _LITTLE = 0.1  # of the effort, that is left for it
+_SHARE = 0.5  # of the effort: each search with fewer derivatives takes no more
 _PART = 0.25  # of the gap asked for: that of fewer derivatives
+_RAMPS = 0.1  # of the time: those within the least of the highest bound that is tried
+_LESS, _TRIED = 8.0, 4  # times as much of it each time
 _QUICKER, _SLOWER, _STEPS = 0.125, 1.1, 100  # widths of a piece that is tried first; the next ones
-_CORRECTIONS = 3  # so that zero is zero, and the end exact
+_CORRECTIONS = 3  # so that zero is zero
+_ATTEMPTS = 20  # so that the end is exact: roundings of each are others
 
 _Pieces = tuple[RealArray, RealArray]
 
 
-def begun(problem: WholeProblem, rtol: float, effort: Effort) -> Search:
+def begun(search: Search, rtol: float, effort: Effort) -> Search:
     """Return a search to be run; where fewer derivatives tell that there is no motion, theirs."""
-    search = Search(problem)
+    problem = search.problem
     order, width = _fewer(problem)
     ramps = (problem.order - order) * width
     if not ramps <= _SHORT * search.lower < inf:
         return search
-    below = begun(problem.below(order), _PART * rtol, effort)
-    below.run(_PART * rtol, effort=effort)
+    part = _share_of(effort)
+    below = begun(Search(problem.below(order), after=search.after), _PART * rtol, part)
+    below.run(_PART * rtol, effort=part)
+    effort.left += part.left
     if below.lower == inf or below.dead_end is not None:
         return below
     search.chain, search.lower = below.chain, below.lower
@@ -56,6 +62,32 @@ def begun(problem: WholeProblem, rtol: float, effort: Effort) -> Search:
     if ramps <= _NEXT_TO_NOTHING * below.lower:
         effort.left = min(effort.left, _LITTLE * EFFORT)
     return search
+
+
+def _share_of(effort: Effort) -> Effort:
+    """Return what a search with fewer derivatives may take of it, taken off it."""
+    part = Effort(_SHARE * effort.left)
+    effort.left -= part.left
+    return part
+
+
+def with_less(problem: WholeProblem, time: float) -> list[WholeProblem]:
+    """Return the problem with less and less little of a highest bound that hardly matters.
+
+    With the least of it the ramps take a tenth of the time: a motion of a duration within less of
+    the bound is one within all of it, and gentle.
+    """
+
+    def ramps(share: float) -> float:
+        order, width = _fewer(problem.with_share(share))
+        return (problem.order - order) * width
+
+    if not ramps(1.0) <= _SHORT * time:
+        return []
+    shares = [1.0]
+    while ramps(shares[-1] / _LESS) <= _RAMPS * time:
+        shares.append(shares[-1] / _LESS)
+    return [problem.with_share(share) for share in shares[:0:-1][:_TRIED]]
 
 
 def _fewer(problem: WholeProblem) -> tuple[int, float]:
@@ -85,13 +117,16 @@ def _averaged(
         np.linalg.solve(_average(m, n - m, w), np.asarray(state[:m], float))
         for state, w in ((after, -width), (before, width))
     )
+    beside = (n - m) * width + float(onto[0].sum() + off[0].sum())
     between = Search(
         WholeProblem(start, end, below.problem.lower, below.problem.upper),
         below.nodes,
-        after=below.lower,
+        after=max(below.lower - beside, 0.0),
     )
     between.guide = below.guide
-    between.run(_PART * rtol, effort=effort)
+    part = _share_of(effort)
+    between.run(_PART * rtol, effort=part)
+    effort.left += part.left
     if between.best is None:
         return None
     return _joined(problem, between.best, width, onto, off)
@@ -107,7 +142,7 @@ def _joined(
     n, m = problem.order, len(between.states) - 1
     levels, widths = between.states[m, :-1], np.array([width], np.longdouble)
     back = np.linalg.pinv(np.asarray(effects(between.durations, m), float))
-    for _ in range(_CORRECTIONS):
+    for _ in range(_ATTEMPTS):
         lengths, inputs = averaged_inputs(between.durations[None], levels[None], widths, n - m)
         inputs[np.abs(inputs) <= ROUNDING * np.abs(inputs).max()] = 0.0
         some = lengths[0] > 0.0
@@ -115,11 +150,11 @@ def _joined(
         inputs = np.concatenate([onto[1], inputs[0, some], (-1.0) ** n * off[1][::-1]])
         states = propagated(problem.start, durations, inputs, still=m)
         missed = problem.end - states[:n, -1]
+        if (np.abs(missed) <= MISSED * np.abs(states[:n]).max(axis=1)).all():
+            found = Repaired(durations, states, float(durations.sum()))
+            return found if excess(problem, found) <= EXCESS else None
         levels = levels + back @ missed[:m]
-    found = Repaired(durations, states, float(durations.sum()))
-    sizes = np.abs(states[:n]).max(axis=1)
-    kept = (np.abs(missed) <= MISSED * sizes).all() and excess(problem, found) <= EXCESS
-    return found if kept else None
+    return None
 
 
 def _average(order: int, count: int, width: float) -> FloatArray:

@@ -4,6 +4,9 @@ import re
 
 import numpy as np
 import pytest
+from extreme_problems import short_ramps
+from sampled_motions import least_share
+from tiers import some
 from whole_problems import random_problem
 
 from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_transfer
@@ -85,3 +88,52 @@ def test_within_stops_of_order_3_too():
     low, high = transfer.extremes(0)
     assert low >= -0.2
     assert high <= 1.2
+
+
+def assert_of_duration(motion, problem, duration):
+    n = problem.limits.order
+    assert motion.duration == pytest.approx(duration, rel=1e-13)
+    assert motion.violation(problem.limits) <= 1e-12
+    np.testing.assert_allclose(motion.end_state[:n], problem.end, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("factor", [1.3, 10.0])
+def test_a_bound_far_above_what_matters_is_no_obstacle_to_a_duration(factor):
+    problem = short_ramps(0)
+    duration = factor * problem.solve().duration
+    motion = problem.solve(duration=duration)
+    assert_of_duration(motion, problem, duration)
+    assert motion.peak(4) < 1e-8 * problem.limits.bounds(4)[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", some(range(28), 3))
+def test_under_short_ramps_every_longer_duration_is_found(seed):
+    problem = short_ramps(seed)
+    n, least = problem.limits.order, problem.solve().duration
+    for factor in (1.05, 1.3, 2.5, 10.0):
+        motion = problem.solve(duration=factor * least)
+        assert_of_duration(motion, problem, factor * least)
+        assert motion.peak(n) < 0.1 * problem.limits.bounds(n)[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [10, 20, 24, 26])
+def test_under_short_ramps_motions_are_as_gentle_as_any(seed):
+    problem = short_ramps(seed)
+    n = problem.limits.order
+    duration = 1.3 * problem.solve().duration
+    low, high = problem.solve(duration=duration).extremes(n)
+    least, most = problem.limits.bounds(n)
+    gentle = least_share(problem.start, problem.end, problem.limits, duration, cells=100)
+    assert max(high / most, low / least) <= 1.02 * gentle
+
+
+@pytest.mark.parametrize("snap", [4e4, 4e9])
+def test_a_blocked_interval_is_proven_however_short_the_ramps(snap):
+    """Of order 3, without a bound on snap, durations from 1.56 to 2.50 are impossible."""
+    limits = Limits(velocity=1.0, acceleration=1.0, jerk=4.0, snap=snap, position=(-5.0, 5.0))
+    start, end = (0.0, 0.9), (1.0, 0.9)
+    with pytest.raises(InfeasibleError, match=r"it is proven .* next that was found is 2\.50"):
+        min_time_transfer(start, end, limits, duration=2.0)
+    assert min_time_transfer(start, end, limits, duration=1.5).violation(limits) == 0.0

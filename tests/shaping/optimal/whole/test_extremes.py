@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 import pytest
-from extreme_problems import KINDS, long_holds, wrong_with
+from extreme_problems import KINDS, barely_active, long_holds, wrong_with
 from whole_problems import random_problem
 
 from jounce.shaping.optimal.long_plan import long_plan
@@ -45,6 +45,13 @@ def test_a_way_hardly_longer_than_its_ramps_is_planned_as_a_whole_where_that_is_
     problem = long_holds(19)
     assert long_plan(problem.start, problem.end, problem.limits, rtol=1e-4).gap > 0.1
     assert problem.solve().duration < 4.4776
+
+
+@pytest.mark.slow
+def test_next_to_a_dead_end_the_room_for_repairs_is_given_up():
+    problem = barely_active(24)
+    assert planned(problem.start, problem.end, problem.limits).search.gap <= 1e-4
+    assert problem.solve().violation(problem.limits) == 0.0
 
 
 def test_a_search_ends_when_its_effort_is_spent():

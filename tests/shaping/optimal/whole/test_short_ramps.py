@@ -12,6 +12,7 @@ from jounce.shaping import Limits, certify, min_time_transfer
 from jounce.shaping.optimal.long_plan import long_plan
 from jounce.shaping.optimal.proof_check import holds
 from jounce.shaping.optimal.whole.planner import planned
+from jounce.shaping.optimal.whole.search import Search
 from jounce.shaping.optimal.whole.short_ramps import begun
 from jounce.shaping.optimal.whole.warm_program import Effort
 
@@ -100,6 +101,6 @@ def test_ramps_of_a_long_motion_are_proven_by_fewer_derivatives():
 
 def test_bounds_that_matter_are_left_to_the_search():
     plan = planned(*(lambda p: (p.start, p.end, p.limits))(random_problem(3, 4)), 0.5)
-    search = begun(plan.search.problem, GAP, Effort())
+    search = begun(Search(plan.search.problem), GAP, Effort())
     assert search.best is None
     assert search.lower == search.chain[-1].high
