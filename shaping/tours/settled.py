@@ -18,7 +18,7 @@ from .program import COARSE, FINE, Iterate, Program, Stretch
 from .route import Leg, reach_along
 
 _REFINED = 3
-_TRIED, _STEP = 6, 1.4  # durations to begin with, each so much longer
+_TRIED, _STEP = 4, 1.4  # durations to begin with, each so much longer
 _LITTLE = 1e-3  # of the duration: what coarse programs gain that are the last ones
 _NEVER = -1.0  # no two inputs are one: the repair may need them all
 _LONGER = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)  # tried where no motion keeps all bounds exactly

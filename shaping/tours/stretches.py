@@ -73,8 +73,9 @@ class Between:
             if not found:
                 raise
             return min(found, key=_duration)
-        further = None if found else self._settled(limits, stops.durations)
-        return min([stops, *found, *([] if further is None else [further])], key=_duration)
+        best = min([stops, *found], key=_duration)
+        further = self._settled(limits, stops.durations) if best is stops else None
+        return min(best, further or best, key=_duration)
 
     def _settled(self, limits: Sequence[Limits], durations: Sequence[float]) -> PlannedLegs | None:
         """Return the legs of the programs alone, from durations near the right ones, or None."""
