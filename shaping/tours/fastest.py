@@ -9,6 +9,7 @@ import numpy as np
 
 from ..endings import ended
 from ..limits import Limits
+from ..optimal.whole.warm_program import Effort
 from ..pieces import FloatArray
 from ..trajectory import Motion, Trajectory, as_trajectory
 from .course import Course
@@ -31,20 +32,22 @@ class Found(NamedTuple):
 
 def fastest_over(course: Course, corner: float) -> Found:
     """Return the fastest motion over a course that is found, at the slowest with stops."""
-    uncut = course.route(corner, 0.0)
-    best = _joined(course, uncut, _fastest(uncut, course.limits, corner))
+    uncut, effort = course.route(corner, 0.0), Effort()
+    best = _joined(course, uncut, _fastest(uncut, course.limits, corner, effort))
     for reach in _REACHES if corner else ():
         route = course.route(corner, corner * reach)
         if not route.blends:
             break
-        legs = _fastest(route, course.limits, corner)
+        legs = _fastest(route, course.limits, corner, effort)
         found = _joined(course, route, legs)
         if _near(found, route, corner):
             return min(best, found, key=lambda each: each.axes[0].end_time)
     return best
 
 
-def _fastest(route: Route, limits: tuple[Limits, ...], corner: float) -> PlannedLegs:
+def _fastest(
+    route: Route, limits: tuple[Limits, ...], corner: float, effort: Effort
+) -> PlannedLegs:
     """Return the legs planned as fast as is found, each stretch between fixed nodes for itself."""
     states = at_rest(route.nodes, max(one.order for one in limits))
     parts: list[PlannedLegs] = []
@@ -54,7 +57,7 @@ def _fastest(route: Route, limits: tuple[Limits, ...], corner: float) -> Planned
         if first < last:
             nodes, ways = route.nodes[first : last + 1], route.legs[first:last]
             blends = {leg - first: (x, corner) for x, leg in route.blends if first <= leg < last}
-            stretch = Between(nodes, ways, states[first], states[last], blends)
+            stretch = Between(nodes, ways, states[first], states[last], blends, effort)
             parts.append(stretch.fastest(limits))
         at = last
     return PlannedLegs.joined(parts)

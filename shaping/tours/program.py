@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..limits import Limits
+from ..optimal.whole.warm_program import Effort
 from ..pieces import FloatArray
 from .legs import States
 from .long_ways import ramp_time
@@ -17,14 +18,15 @@ from .route import Leg, Node, reach_along
 from .sparse_rows import Columns, SparseRows
 from .tangents import End, LegMotion
 
-_LONGEST = 20.0  # seconds for one program
-_EXACTLY = {"time_limit": _LONGEST, "primal_feasibility_tolerance": 1e-9}
+_EXACTLY = {"maxiter": 5000, "time_limit": 5.0, "primal_feasibility_tolerance": 1e-9}
 _WAYS: tuple[dict[str, Any], ...] = (
     {"method": "highs-ds", "options": {**_EXACTLY, "presolve": False}},
     {"method": "highs-ipm", "options": _EXACTLY},
 )
 _SOLVED = (0, 2)  # found, or none there is
 _ROOM = 1e-6  # of the highest bounds, for the repair of what motions of fixed durations miss
+_MORE_ROOM = 0.5  # the same, as a share of what durations are longer than the least
+_OVERHEAD = 20  # iterations that a program is worth before it begins
 _NO_WAY = 1e-3  # of the tolerance: a shift that has no direction yet
 
 
@@ -71,6 +73,8 @@ class Stretch:
         Unit of distance of each axis.
     time : float
         Unit of time.
+    effort : Effort
+        What programs may take.
     """
 
     nodes: Sequence[Node]
@@ -78,6 +82,7 @@ class Stretch:
     limits: Sequence[Limits]
     sizes: FloatArray
     time: float
+    effort: Effort
 
     @property
     def order(self) -> int:
@@ -86,13 +91,18 @@ class Stretch:
 
 
 def stretched(
-    nodes: Sequence[Node], legs: Sequence[Leg], limits: Sequence[Limits], durations: Sequence[float]
+    nodes: Sequence[Node],
+    legs: Sequence[Leg],
+    limits: Sequence[Limits],
+    durations: Sequence[float],
+    *,
+    effort: Effort,
 ) -> Stretch:
     """Return a stretch in units of its own size, from durations near the right ones."""
     places = np.array([node.place for node in nodes])
     sizes = np.abs(np.diff(places, axis=0)).max(axis=0)
     sizes = np.where(sizes > 0.0, sizes, sizes.max())
-    return Stretch(nodes, legs, limits, sizes, float(np.mean(durations)))
+    return Stretch(nodes, legs, limits, sizes, float(np.mean(durations)), effort)
 
 
 def approximations(stretch: Stretch, durations: Sequence[float]) -> Iterator[States]:
@@ -149,7 +159,7 @@ class Program:
 
     def solve(self, last: Iterate, stage: Stage) -> Iterate | None:
         """Return durations and inputs for which the tangents ask for the least time, or None."""
-        return self._solved(last, stage, shared=False)
+        return self._solved(last, stage)
 
     def settled(self, last: Iterate, longer: float) -> Iterate | None:
         """Return inputs of the smallest shares of the highest bounds, durations being fixed.
@@ -157,49 +167,57 @@ class Program:
         They are the last ones, times a factor: then nothing is approximate.
         """
         still = last._replace(lengths=last.lengths * longer)
-        return self._solved(still, Stage(0.0, 0.0, 0.0), shared=True)
+        room = max(_MORE_ROOM * (longer - 1.0), _ROOM)
+        return self._solved(still, Stage(0.0, 0.0, 0.0), room)
 
     def refine(self, last: Iterate) -> None:
         """Cut cells where inputs that were found switch inside."""
         parts = np.split(last.levels, np.cumsum([len(edges) - 1 for edges in self.meshes])[:-1])
         self.meshes = [finer(*pair) for pair in zip(self.meshes, parts, strict=True)]
 
-    def _solved(self, last: Iterate, stage: Stage, *, shared: bool) -> Iterate | None:
-        from scipy.optimize import linprog
-
+    def _solved(self, last: Iterate, stage: Stage, room: float = 0.0) -> Iterate | None:
         equal, less = SparseRows(), SparseRows()
         cells = self._cells + sum(len(edges) - 1 for edges in self.meshes)
-        used = cells + (len(self.meshes) if shared else 0)
+        used = cells + (len(self.meshes) if room else 0)
         units = []
         for number, motion in enumerate(self._motions(last)):
             units.append(np.full(len(motion.cells), motion.unit))
             motion.add_end(equal)
-            share = np.array([cells + number] if shared else [], dtype=np.intp)
-            motion.add_bounds(less, stage.margin, share)
+            share = np.array([cells + number] if room else [], dtype=np.intp)
+            motion.add_bounds(less, stage.margin, share, room)
         ranges = np.tile([-np.inf, np.inf], (used, 1))
-        ranges[cells:] = [0.0, 1.0 - _ROOM]
+        ranges[cells:] = [0.0, 1.0 - room]
         count = len(last.lengths)
         ranges[:count] = np.outer(last.lengths, [1.0 - stage.trust, 1.0 + stage.trust])
         self._hold_places(last.inputs, stage.roam, ranges, less)
         costs = np.zeros(used)
-        costs[slice(cells, None) if shared else slice(count)] = 1.0
+        costs[slice(cells, None) if room else slice(count)] = 1.0
+        result = self._least(costs, less, equal, ranges)
+        if result is None:
+            return None
+        inputs = self._within(result[count : self._cells])
+        levels = np.concatenate(units) * result[self._cells : cells]
+        return Iterate(result[:count], inputs, levels)
+
+    def _least(
+        self, costs: FloatArray, less: SparseRows, equal: SparseRows, ranges: FloatArray
+    ) -> FloatArray | None:
+        """Return the columns of least cost, None where none are found."""
+        from scipy.optimize import linprog
+
+        matrices = [rows.matrix(len(costs)) for rows in (less, equal)]
+        size = sum(one.nnz for one in matrices if one is not None)
+        sides = {"b_ub": less.sides(), "b_eq": equal.sides()}
         for way in _WAYS:
+            if self.stretch.effort.left <= 0.0:
+                return None
             result = linprog(
-                costs,
-                A_ub=less.matrix(used),
-                b_ub=less.sides(),
-                A_eq=equal.matrix(used),
-                b_eq=equal.sides(),
-                bounds=ranges,
-                **way,
+                costs, A_ub=matrices[0], A_eq=matrices[1], **sides, bounds=ranges, **way
             )
+            self.stretch.effort.left -= (result.nit + _OVERHEAD) * size
             if result.status in _SOLVED:
                 break
-        if result.status != 0:
-            return None
-        inputs = self._within(result.x[count : self._cells])
-        levels = np.concatenate(units) * result.x[self._cells : cells]
-        return Iterate(result.x[:count], inputs, levels)
+        return np.asarray(result.x) if result.status == 0 else None
 
     def states(self, inputs: FloatArray) -> States:
         """Return the states of the nodes, in the units of the axes."""

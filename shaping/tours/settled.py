@@ -18,8 +18,10 @@ from .program import COARSE, FINE, Iterate, Program, Stretch
 from .route import Leg, reach_along
 
 _REFINED = 3
+_TRIED, _STEP = 4, 1.4  # durations to begin with, each so much longer
+_LITTLE = 1e-3  # of the duration: what coarse programs gain that are the last ones
 _NEVER = -1.0  # no two inputs are one: the repair may need them all
-_LONGER = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # tried where no motion keeps all bounds exactly
+_LONGER = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)  # tried where no motion keeps all bounds exactly
 
 
 def settled(
@@ -32,9 +34,13 @@ def settled(
     a small share of its highest bound.
     """
     program = Program(stretch, durations)
-    at = program.first(durations)
-    for stage in COARSE:
-        at = program.solve(at, stage._replace(margin=0.0)) or at
+    at = _begun(program, durations)
+    if at is None:
+        return None
+    for stage in COARSE[1:]:
+        before, at = at.lengths.sum(), program.solve(at, stage._replace(margin=0.0)) or at
+        if 0.0 < before - at.lengths.sum() <= _LITTLE * before:
+            break
     for number, stage in enumerate(FINE):
         found = program.solve(at, stage._replace(margin=0.0))
         if found is None:
@@ -47,6 +53,17 @@ def settled(
         legs = None if found is None else _exact(program, found, first, last)
         if legs is not None:
             return legs
+    return None
+
+
+def _begun(program: Program, durations: Sequence[float]) -> Iterate | None:
+    """Return what the first program finds from these durations, or from longer ones."""
+    at = program.first(durations)
+    for _ in range(_TRIED):
+        found = program.solve(at, COARSE[0]._replace(margin=0.0))
+        if found is not None:
+            return found
+        at = at._replace(lengths=at.lengths * _STEP)
     return None
 
 

@@ -38,7 +38,7 @@ class Averaging:
     def to(cls, limits: Sequence[Limits]) -> Averaging | None:
         """Return the averaging that leads to these limits; None where there is none.
 
-        It takes acceleration or jerk bounded on both sides, and no bound zero on a side.
+        It takes acceleration or jerk bounded on both sides, and above no bound zero on a side.
         """
         before = [_before(one) for one in limits]
         pairs = [(low, one) for low, one in zip(before, limits, strict=True) if low is not None]
@@ -65,10 +65,11 @@ class Averaging:
 
 def _before(limits: Limits) -> Limits | None:
     """Return the limits of order 3, or 2 where jerk is free."""
-    if not all(low < 0.0 < high for low, high in zip(limits.lower, limits.upper, strict=True)):
-        return None
-    orders = [k for k in (3, 2) if k <= limits.order and np.isfinite(limits.bounds(k)).all()]
-    return truncated(limits, orders[0]) if orders else None
+    both = [low < 0.0 < high for low, high in zip(limits.lower, limits.upper, strict=True)]
+    for order in (3, 2):
+        if all(both[order - 1 :]) and np.isfinite(limits.bounds(min(order, len(both)))).all():
+            return truncated(limits, min(order, len(both)))
+    return None
 
 
 def _windows(before: Limits, limits: Limits) -> list[float]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from ..limits import Limits
+from ..optimal.whole.warm_program import Effort
 from ..pieces import FloatArray
 from .legs import PlannedLegs, States, at_rest, planned
 from .long_ways import cut, longest, put_back
@@ -31,6 +32,8 @@ class Between:
         States at its ends.
     blends : mapping of int to (place, corner)
         Of the legs around corners by their numbers, the corner and how far they may be from it.
+    effort : Effort
+        What programs may take.
     """
 
     nodes: Sequence[Node]
@@ -38,38 +41,55 @@ class Between:
     start: FloatArray
     end: FloatArray
     blends: Mapping[int, tuple[FloatArray, float]]
+    effort: Effort
 
     def fastest(self, limits: Sequence[Limits]) -> PlannedLegs:
         """Return the fastest legs found, at the slowest those with stops."""
         if all(one.order <= 3 and one.plain for one in limits):
             return self._exactly(limits).best
-        by, smooth = Averaging.to(limits), None
-        if by is not None:
-            before = replace(self, legs=by.before(self.legs))
-            exact = before._exactly(by.limits)
-            smooth = smoothed(before.legs, exact.states, limits, by, self.blends)
-            long = longest(before.legs, exact.best.durations) > _LONG
-            near = smooth is not None and smooth.duration <= exact.enough
-            if smooth is not None and near and (long or len(self.legs) > 1):
-                return smooth
+        by = Averaging.to(limits)
+        if by is None:
+            return self._by_stops(limits, [])
+        before = replace(self, legs=by.before(self.legs))
+        exact = before._exactly(by.limits)
+        smooth = smoothed(before.legs, exact.states, limits, by, self.blends)
+        long = longest(before.legs, exact.best.durations) > _LONG
+        near = smooth is not None and smooth.duration <= exact.enough
+        if smooth is not None and near and (long or len(self.legs) > 1):
+            return smooth
+        share = 1.0 + by.longer / exact.best.duration
+        about = [lasts * share for lasts in exact.best.durations]
+        found = [each for each in (smooth, self._settled(limits, about)) if each is not None]
+        best = min(found, key=_duration, default=None)
+        if best is not None and best.duration <= exact.stopping and len(self.legs) > 1:
+            return best
+        return self._by_stops(limits, found)
+
+    def _by_stops(self, limits: Sequence[Limits], found: list[PlannedLegs]) -> PlannedLegs:
+        """Return the fastest legs of those found, those with stops, and what starts from these."""
         try:
             stops = planned(self.legs, self._stops, limits)
         except ValueError:  # not found, between moving states
-            if smooth is None:
+            if not found:
                 raise
-            return smooth
-        if len(self.legs) == 1 or longest(self.legs, stops.durations) > _FAR:
-            return min(stops, smooth or stops, key=_duration)
-        stretch = stretched(self.nodes, self.legs, limits, stops.durations)
-        found = smooth, settled(stretch, stops.durations, self.start, self.end)
-        return min([stops, *(each for each in found if each is not None)], key=_duration)
+            return min(found, key=_duration)
+        best = min([stops, *found], key=_duration)
+        further = self._settled(limits, stops.durations) if best is stops else None
+        return min(best, further or best, key=_duration)
+
+    def _settled(self, limits: Sequence[Limits], durations: Sequence[float]) -> PlannedLegs | None:
+        """Return the legs of the programs alone, from durations near the right ones, or None."""
+        if len(self.legs) == 1 or longest(self.legs, durations) > _FAR:
+            return None
+        stretch = stretched(self.nodes, self.legs, limits, durations, effort=self.effort)
+        return settled(stretch, durations, self.start, self.end)
 
     def _exactly(self, limits: Sequence[Limits]) -> _Exact:
         """Return the fastest legs planned exactly at orders 2 and 3, and the states between."""
         states = self._stops
         best = stops = planned(self.legs, states, limits)
         nodes, durations = cut(self.nodes, self.legs, best.durations)
-        stretch = stretched(nodes, self.legs, limits, durations)
+        stretch = stretched(nodes, self.legs, limits, durations, effort=self.effort)
         for found in approximations(stretch, durations):
             found = self._with_ends(put_back(found, nodes, self.nodes))
             try:

@@ -12,8 +12,9 @@ from .mesh import mesh_rows
 from .sparse_rows import Columns, SparseRows
 
 _ROUNDING = 1e-5  # of bounds on lower derivatives, kept for the tolerances of the solver
-_ROOM = 5e-7  # of bounds, kept for the repair of what a motion of fixed duration misses
-_NEAR_ENDS = 4e-6  # of what the highest derivative can do since the start, or until the end
+_BELOW = 0.5  # of the room of the highest bound: that of the bounds on lower derivatives
+_PLACES = 5e-7  # the most of it that bounds on position have, in units of the size
+_NEAR_ENDS = 4.0  # of it: what the highest derivative can do since the start, or until the end
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +91,11 @@ class LegMotion:
         sides[0] += self.distance
         equal.add(columns, values, sides)
 
-    def add_bounds(self, less: SparseRows, margin: float, share: Columns) -> None:
+    def add_bounds(self, less: SparseRows, margin: float, share: Columns, kept: float) -> None:
         """Add the rows that keep the bounds, a margin of the highest.
 
         `share` is empty, or the column of the share of the highest bound that is used, where the
-        duration is fixed.
+        duration is fixed; then a share of all bounds is `kept` for the repair of what it misses.
         """
         n = self.order
         _, bounded, k = mesh_rows(n, self.edges)
@@ -103,7 +104,7 @@ class LegMotion:
         columns = np.concatenate([[self.leg], self.start.columns, self.cells, share])
         free = np.zeros((len(k), len(share)))
         values = np.hstack([(lead @ per_time)[:, None], lead @ per_input, cells, free])
-        room, shared = self._room(k, len(share) > 0), (k == n) & (len(share) > 0)
+        room, shared = self._room(k, kept), (k == n) & (len(share) > 0)
         for sign, sides in ((1.0, self.upper), (-1.0, self.lower)):
             finite = np.isfinite(sides[k])
             of, by_share = k[finite], shared[finite]
@@ -116,20 +117,20 @@ class LegMotion:
             most = np.where(by_share, 0.0, power - slope * self.length - room[finite])
             less.add(columns, rows, most - sign * (lead @ rest)[finite])
 
-    def _room(self, k: NDArray[np.intp], repaired: bool) -> FloatArray:
+    def _room(self, k: NDArray[np.intp], kept: float) -> FloatArray:
         """Return what the rows of derivatives k below the highest keep free."""
         n, highest = self.order, k == self.order
         most = np.maximum(np.abs(self.lower), np.abs(self.upper)) * self.length ** np.arange(n + 1)
-        if not repaired:
+        if not kept:
             return np.where(highest | (k == 0), 0.0, _ROUNDING * most[k])
-        most[0] = 1.0
+        most[0] = min(1.0, _PLACES / (_BELOW * kept))
         begun, left = self.edges[:-1], 1.0 - self.edges[1:]
         reach = []
         for r in range(n + 1):
             near = np.minimum(self._since(self.start, r, begun), self._since(self.end, r, left))
             reach += [near ** (n - r) * INVERSE_FACTORIALS[n - r]] * max(n - r, 1)
-        room = np.minimum(_ROOM * most[k], _NEAR_ENDS * most[n] * np.concatenate(reach))
-        return np.asarray(room)
+        room = np.minimum(_BELOW * most[k], _NEAR_ENDS * most[n] * np.concatenate(reach))
+        return np.asarray(kept * room)
 
     def _since(self, end: End, derivative: int, away: FloatArray) -> FloatArray:
         """Return how far cells are from an end where a derivative is given; where not, 1."""
