@@ -13,7 +13,7 @@ from typing import Any
 
 from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
-from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
+from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement, unknown_figure
 from ...plant import PID, as_controller
 from ...shaping.warned import untold
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
@@ -124,8 +124,9 @@ class Problem:
             if not isinstance(begun, Exception):
                 begun.figures([requirement_of(name) for name in self.figures])
         except ValueError as error:
-            if str(error).startswith("requirement "):
-                raise
+            told = str(error)
+            if told.startswith("requirement "):
+                raise ValueError(told.replace("requirement", "figure")) from None
 
     @untold()
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
@@ -240,7 +241,8 @@ def check_figures(names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if not isinstance(name, str):
             raise ValueError(f"figures: {name!r}: expected a name, such as 'phase_margin'")
-        requirement_of(name)
+        if name.rpartition(".")[2] not in FIGURES:
+            raise ValueError(f"figures: {unknown_figure(name)}")
         if list(names).count(name) > 1:
             raise ValueError(f"figures: {name!r} is given twice; give it once")
     return tuple(names)
