@@ -123,6 +123,9 @@ def test_a_scenario_can_believe_in_another_plant(file):
     assert alone.plant == Inertia(1.5)
     assert loop.controller_noun == alone.controller_noun
     assert loop.feedforward_noun == alone.feedforward_noun
+    assert scenario.as_believed.believed_told == ()
+    [told] = survey_file(scenario).heading[1:]
+    assert told.endswith("are made for [believed]")
 
 
 @pytest.mark.parametrize(
