@@ -14,7 +14,7 @@ from typing import Any
 from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement, unknown_figure
-from ...plant import PID, as_controller
+from ...plant import PID, ServoLoop, as_controller
 from ...shaping.warned import untold
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
@@ -91,12 +91,22 @@ class Problem:
 
     def _begun(self, values: Sequence[object]) -> _Servo | _Measured | Exception:
         try:
-            scenario = self.scenario(values)
-            return _Measured(scenario) if scenario.body == "frf" else _Servo(scenario)
+            given = self.overrides(values)
+            scenario = self.with_overrides(given)
+            return _Measured(scenario) if scenario.body == "frf" else self._servo(scenario, given)
         except MemoryError:
             raise
         except Exception as error:
             return error
+
+    def _servo(self, scenario: Scenario, given: Mapping[str, object]) -> _Servo:
+        """Return a point's loop, its feedforward that of a point before if all of it is held."""
+        if scenario.believed is None or not self.hold_gains:
+            return _Servo(scenario, servo_loop_of(scenario))
+        name = "fed as " + repr({key: value for key, value in given.items() if _feeds(key)})
+        loop = servo_loop_of(scenario, self._designed.get(name))
+        _keep(self._designed, name, loop.feedforward)
+        return _Servo(scenario, loop)
 
     def first_sound(self, points: Sequence[Point]) -> Point:
         """Return the first point of which there is a scenario, among the first and some others.
@@ -156,10 +166,8 @@ class Problem:
         believed = {key: value for key, value in given.items() if _is_believed(key)}
         name = repr(believed)
         if name not in self._designed:
-            if len(self._designed) >= _MOST_DESIGNS:
-                self._designed.clear()
             with untold():  # the point's own loop tells it
-                self._designed[name] = _designed_gains(self.with_overrides(believed))
+                _keep(self._designed, name, _designed_gains(self.with_overrides(believed)))
         known: dict[str, str] | None = self._designed[name]
         return known
 
@@ -169,11 +177,22 @@ def _is_believed(key: str) -> bool:
     return key.startswith("controller.") and key != "controller.delay"
 
 
+def _feeds(key: str) -> bool:
+    """Whether the feedforward for a believed plant, its lead given or held, may hang on a key."""
+    return key.partition(".")[0] in ("believed", "feedforward") or _is_believed(key)
+
+
+def _keep(kept: dict[str, Any], name: str, value: Any) -> None:
+    if len(kept) >= _MOST_DESIGNS:
+        kept.clear()
+    kept[name] = value
+
+
 class _Servo:
     """A scenario's loop, built, and what is worked out of it."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.scenario, self.loop = scenario, servo_loop_of(scenario)
+    def __init__(self, scenario: Scenario, loop: ServoLoop) -> None:
+        self.scenario, self.loop = scenario, loop
         self.margins: Callable[[], AnyMargins] | None = None
 
     def figures(self, asked: Sequence[Requirement]) -> Sequence[float]:

@@ -137,10 +137,10 @@ def test_whatever_goes_wrong_at_a_point_is_told_there(axis, monkeypatch, wrong):
 
     honest = figures.servo_loop_of
 
-    def failing(scenario):
+    def failing(scenario, *more):
         if scenario.inertia == 3.0:
             raise wrong
-        return honest(scenario)
+        return honest(scenario, *more)
 
     monkeypatch.setattr(figures, "servo_loop_of", failing)
     keys = {"plant.inertia": ["2 kg m^2", "3 kg m^2", "2.5 kg m^2"]}
