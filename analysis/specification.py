@@ -47,6 +47,7 @@ FIGURES: MappingProxyType[str, FigureUnit] = MappingProxyType(
         "peak_load_error": "position",
         "overshoot": "position",
         "left_over": "position",
+        "residual_vibration": "position",
         "peak_torque": "torque",
         "saturated_time": "time",
         "disturbance_peak": "position",
@@ -76,6 +77,7 @@ OF_MOVES = (
     "peak_load_error",
     "overshoot",
     "left_over",
+    "residual_vibration",
     "peak_torque",
     "saturated_time",
 )

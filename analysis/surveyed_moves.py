@@ -118,7 +118,7 @@ def move_survey(
             name: _response(name, loop, trajectory, move, poles, jerk_filter)
             for name, loop in loops.items()
         }
-        residual = {mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in modes}
+        residual = left_ringing(trajectory, jerk_filter, modes)
     except ValueError as error:
         raise ValueError(f"move {move.name!r}: {error}") from None
     return MoveSurvey(
@@ -126,7 +126,14 @@ def move_survey(
     )
 
 
-def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: Mode) -> float:
+def left_ringing(
+    trajectory: Trajectory, jerk_filter: JerkFilter | None, modes: Sequence[Mode]
+) -> dict[str, float]:
+    """Return by mode what the command alone leaves ringing in it."""
+    return {mode.name: _left_in(mode, trajectory, jerk_filter) for mode in modes}
+
+
+def _left_in(mode: Mode, trajectory: Trajectory, jerk_filter: JerkFilter | None) -> float:
     try:
         return float(
             residual_vibration(trajectory, mode.frequency_hz, mode.damping, jerk_filter=jerk_filter)

@@ -16,6 +16,7 @@ from ...analysis.partial_survey import PartialSurvey
 from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement, unknown_figure
 from ...plant import PID, ServoLoop, as_controller
 from ...shaping.warned import untold
+from ..overrides import parts_of
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
@@ -67,9 +68,22 @@ class Problem:
             return held
         if varies and "frf" not in plant and "believed" not in self.content:
             held["believed"] = plant
+        held |= self._believed_modes
         if said.get("lead") == "auto" and "controller.delay" in self.keys:
             clock = self.with_overrides({}).controller
             held["feedforward.lead"] = f"{clock.delay + 0.5 * (clock.sample_time or 0.0)!r} s"
+        return held
+
+    @property
+    def _believed_modes(self) -> dict[str, object]:
+        """What keeps shapers of modes that the plant does not feel, however these vary."""
+        swept = [tuple(parts_of(key)) for key in self.keys]
+        held: dict[str, object] = {}
+        for k, mode in enumerate(self.content.get("modes", ())):
+            for name in ("frequency", "damping"):
+                of_it = {("modes", place, name) for place in (mode["name"], k)}
+                if of_it & set(swept) and f"believed_{name}" not in mode:
+                    held[f"modes[{k}].believed_{name}"] = mode.get(name, "0 %")
         return held
 
     def scenario(self, values: Sequence[object]) -> Scenario:
@@ -197,7 +211,8 @@ class _Servo:
 
     def figures(self, asked: Sequence[Requirement]) -> Sequence[float]:
         """Return figures in SI units."""
-        conditions, behind = survey_conditions(self.scenario), jerk_filter_of(self.scenario)
+        behind = jerk_filter_of(self.scenario)
+        conditions = survey_conditions(self.scenario) | {"modes": self.scenario.modes}
         moves = moves_of(self.scenario)
         survey = PartialSurvey(
             self.loop, moves, jerk_filter=behind, conditions=conditions, margins=self.margins
