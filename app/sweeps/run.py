@@ -69,7 +69,7 @@ def sweep(
         Of the sample: the same seed gives the same points.
     hold_gains : bool, optional
         A drive knows no better than the file: gains that it asks to be designed, feedforward,
-        and shapers of the plant's modes are made for plant and delay in the file (and for
+        and shapers of modes are made for plant, modes and delay in the file (and for
         whatever else of the controller is swept, such as its specification), and held. False
         makes them anew at every point.
     output : path, optional

@@ -11,7 +11,7 @@ import xarray
 from swept_axis import AXIS
 
 from jounce.analysis.sweep_result import SweepResult
-from jounce.app import ScenarioSweep, Uniform, sweep
+from jounce.app import ScenarioSweep, Uniform, sweep, sweep_command
 from jounce.app.sweeps.store import Store
 from jounce.app.sweeps.sweep_file import read_sweep_file
 
@@ -140,7 +140,7 @@ def test_a_range_of_a_kind_that_there_is_not_names_those_that_there_are(tmp_path
         read_sweep_file(path)
 
 
-def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, run):
+def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, run, monkeypatch):
     asked = tmp_path / "sweep.toml"
     asked.write_text(
         'figures = ["phase_margin"]\nsamples = 4\ndesign = "sensitivity"\n[parameters]\n'
@@ -153,6 +153,7 @@ def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, r
     assert (status, errors) == (0, [])
     assert "Sobol's indices" in out
     assert (tmp_path / "out" / "scatter_matrix.png").exists()
+    monkeypatch.setattr(sweep_command, "_write", lambda *_: [])  # pictures take their time
     indices = json.loads(run(*arguments, "--json")[1])["influences"]["phase_margin"]
     assert set(indices) == {"plant.inertia", "plant.modes.top.damping"}
     inertia, damping = (indices[key]["total"] for key in indices)
