@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 from ..plant import ServoLoop
 from ..shaping import JerkFilter
@@ -25,7 +26,7 @@ from .requirement_checks import figure_of
 from .specification import Move, Requirement
 from .step_response import StepResponse, step_response
 from .surveyed_loop import Poles, decaying_poles
-from .surveyed_moves import MoveSurvey, move_survey, on_a_grid
+from .surveyed_moves import MoveSurvey, left_ringing, move_survey, on_a_grid
 
 
 class _Figures:
@@ -40,12 +41,18 @@ class _Figures:
         return self._found(name)
 
 
-class _PartialMove(NamedTuple):
+@dataclass(frozen=True)
+class _PartialMove:
     """What `MoveSurvey` has of a move, as far as figures go."""
 
     name: str
     duration_s: float
     configured: _Figures
+    ringing: Callable[[], Mapping[str, float]]
+
+    @property
+    def residual_vibration(self) -> Mapping[str, float]:
+        return self.ringing()
 
 
 class PartialSurvey:
@@ -57,7 +64,7 @@ class PartialSurvey:
     moves : sequence of Move
     jerk_filter : JerkFilter, optional
     conditions : mapping of str to object, optional
-        `wind`, `encoder_noise`, `torque_step` and `tracking`, as `survey` takes them.
+        `modes`, `wind`, `encoder_noise`, `torque_step` and `tracking`, as `survey` takes them.
     margins : callable, optional
         Gives the loop's margins where they are found together with those of other loops.
     """
@@ -105,17 +112,17 @@ class PartialSurvey:
         return tuple(map(self._move, self._moves))
 
     def _move(self, move: Move) -> MoveSurvey | _PartialMove:
+        modes, behind = self._conditions.get("modes", ()), self._jerk_filter
         try:
-            if on_a_grid(self.loop, move, self._jerk_filter):
+            if on_a_grid(self.loop, move, behind):
                 loops = {"with feedforward": self.loop}
-                return move_survey(
-                    move, loops, self._poles, jerk_filter=self._jerk_filter, modes=()
-                )
+                return move_survey(move, loops, self._poles, jerk_filter=behind, modes=modes)
             trajectory = planned(move)
             figures = exact_figures(self.loop, trajectory, move, self._poles)
         except ValueError as error:
             raise ValueError(f"move {move.name!r}: {error}") from None
-        return _PartialMove(move.name, trajectory.duration, _Figures(figures))
+        ringing = partial(left_ringing, trajectory, behind, modes)
+        return _PartialMove(move.name, trajectory.duration, _Figures(figures), ringing)
 
     @cached_property
     def step(self) -> StepResponse:

@@ -29,6 +29,7 @@ _OF_RESPONSES = {
     "saturated_time": "saturated_time_s",
 }
 _MISSING = {
+    "residual_vibration": "modes=…, [[modes]] of a file",
     "disturbance_peak": "torque_step=…",
     "disturbance_recovery": "torque_step=…",
     "rms_load": "wind=…, encoder_noise=… or an encoder's step",
@@ -98,15 +99,7 @@ def figure_of(survey: Any, asked: Requirement) -> float:
     """Return the figure that a requirement bounds, in SI units."""
     name = asked.figure
     if name in OF_MOVES:
-        return _worst(
-            asked,
-            {
-                move.name: move.duration_s
-                if name == "duration"
-                else getattr(move.configured, _OF_RESPONSES.get(name, name))
-                for move in survey.moves
-            },
-        )
+        return _worst(asked, {move.name: _of_move(asked, move) for move in survey.moves})
     if name in ("tracking_rms", "tracking_peak"):
         part = {"tracking_rms": "rms_error", "tracking_peak": "peak_error"}[name]
         return _worst(asked, {each.name: getattr(each, part) for each in survey.tracking})
@@ -120,6 +113,17 @@ def figure_of(survey: Any, asked: Requirement) -> float:
     if value is None:
         raise _no_such(asked)
     return value
+
+
+def _of_move(asked: Requirement, move: Any) -> float:
+    name = asked.figure
+    if name == "duration":
+        return float(move.duration_s)
+    if name != "residual_vibration":
+        return float(getattr(move.configured, _OF_RESPONSES.get(name, name)))
+    if not move.residual_vibration:
+        raise _no_such(asked)
+    return float(max(move.residual_vibration.values()))
 
 
 def _worst(asked: Requirement, values: Mapping[str, float]) -> float:

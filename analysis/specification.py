@@ -47,6 +47,7 @@ FIGURES: MappingProxyType[str, FigureUnit] = MappingProxyType(
         "peak_load_error": "position",
         "overshoot": "position",
         "left_over": "position",
+        "residual_vibration": "position",
         "peak_torque": "torque",
         "saturated_time": "time",
         "disturbance_peak": "position",
@@ -76,6 +77,7 @@ OF_MOVES = (
     "peak_load_error",
     "overshoot",
     "left_over",
+    "residual_vibration",
     "peak_torque",
     "saturated_time",
 )
@@ -202,7 +204,7 @@ class Requirement:
 
     def __post_init__(self) -> None:
         if self.figure not in FIGURES:
-            raise ValueError(unknown_figure(self.name))
+            raise ValueError(f"requirement {unknown_figure(self.name)}")
         if self.least is None and self.most is None:
             raise ValueError(f"requirement {self.name!r} bounds nothing: give least=… or most=…")
         for side in ("least", "most"):
@@ -243,10 +245,10 @@ class Requirement:
 
 
 def unknown_figure(name: Any) -> str:
-    """Return what to say of a requirement of no figure."""
+    """Return what to say of the name of no figure."""
     near = get_close_matches(str(name).rpartition(".")[2], FIGURES, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    return f"requirement {name!r} is of no figure: {hint}There are {', '.join(FIGURES)}"
+    return f"{name!r} is of no figure: {hint}There are {', '.join(FIGURES)}"
 
 
 @dataclass(frozen=True)

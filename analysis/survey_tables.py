@@ -115,7 +115,7 @@ def _real_moves_table(survey: Any) -> WideTable:
     bound = f" of {limit:.4g}" if limit < inf else ""
     heads = ["", "load settled [s]", "measured [s]", f"peak load error [{unit}]"]
     heads += [f"left at the end [{unit}]", f"{labels.torque_name}{bound} [{labels.torque_unit}]"]
-    heads += ["current [A]"] * (axis.torque_constant is not None)
+    heads += ["motor current [A]"] * (axis.torque_constant is not None)
     heads += ["at the limit [s]"] * (limit < inf)
     heads += ["next breakaway [s]"] * (axis.friction is not None)
     rows = []

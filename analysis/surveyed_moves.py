@@ -55,8 +55,9 @@ class MoveResponse(Told):
         When a motor that sticks at the end of the response breaks away, were the command to
         stand still on: infinite where it never does, nan without friction.
     peak_current : float
-        Current of the peak torque, peak_torque/(gear_ratio·torque_constant), in A; nan without a
-        torque constant.
+        Largest current of the motor, in A, behind the current loop, as `LoopResponse.current` has
+        it: with a current lag a little less than peak_torque, which is asked for, stands for. nan
+        without a torque constant.
     """
 
     name: str
@@ -117,7 +118,7 @@ def move_survey(
             name: _response(name, loop, trajectory, move, poles, jerk_filter)
             for name, loop in loops.items()
         }
-        residual = {mode.name: _left_ringing(trajectory, jerk_filter, mode) for mode in modes}
+        residual = left_ringing(trajectory, jerk_filter, modes)
     except ValueError as error:
         raise ValueError(f"move {move.name!r}: {error}") from None
     return MoveSurvey(
@@ -125,7 +126,14 @@ def move_survey(
     )
 
 
-def _left_ringing(trajectory: Trajectory, jerk_filter: JerkFilter | None, mode: Mode) -> float:
+def left_ringing(
+    trajectory: Trajectory, jerk_filter: JerkFilter | None, modes: Sequence[Mode]
+) -> dict[str, float]:
+    """Return by mode what the command alone leaves ringing in it."""
+    return {mode.name: _left_in(mode, trajectory, jerk_filter) for mode in modes}
+
+
+def _left_in(mode: Mode, trajectory: Trajectory, jerk_filter: JerkFilter | None) -> float:
     try:
         return float(
             residual_vibration(trajectory, mode.frequency_hz, mode.damping, jerk_filter=jerk_filter)
@@ -165,12 +173,13 @@ def _exactly(
     times = shown_times(trajectory.start_time, lead, duration)
     found = run_move(loop, trajectory, move, duration, times)
     figures = {figure: of(found, move, lead) for figure, of in EXACT_FIGURES.items()}
-    return MoveResponse(name, found, **figures, peak_current=_current(loop, figures["peak_torque"]))
+    current = _current(loop, lambda: peak_torque(found, of_motor=True))
+    return MoveResponse(name, found, **figures, peak_current=current)
 
 
-def _current(loop: ServoLoop, torque: float) -> float:
+def _current(loop: ServoLoop, torque: Callable[[], float]) -> float:
     constant = loop.axis.torque_constant
-    return nan if constant is None else torque / (loop.axis.gear_ratio * constant)
+    return nan if constant is None else torque() / (loop.axis.gear_ratio * constant)
 
 
 def followed_for(loop: ServoLoop, trajectory: Trajectory, move: Move, poles: Poles) -> float:
@@ -250,7 +259,6 @@ def _on_a_grid(
 
     samples = followed(arrays, clock)
     full = LoopResponse(*samples)
-    torque = float(np.abs(full.torque).max())
     settling = full.settling_time(move.distance, move.settle_to)
     beyond = (full.position - move.distance) * np.sign(move.distance)
     ended = full.time >= full.time[0] + trajectory.duration
@@ -259,10 +267,10 @@ def _on_a_grid(
         LoopResponse(*thinned(samples, KEPT)),
         settling_time_s=settling,
         peak_error=float(np.abs(full.error).max()),
-        peak_torque=torque,
+        peak_torque=float(np.abs(full.torque).max()),
         overshoot=max(float(beyond.max()), 0.0),
         load_settling_time_s=full.settling_time(move.distance, move.settle_to, of="load"),
         peak_load_error=float(np.abs(full.load_error).max()),
         left_over=float(np.abs(full.load_error[ended]).max(initial=0.0)),
-        peak_current=_current(loop, torque),
+        peak_current=_current(loop, lambda: float(np.abs(full.motor_torque).max())),
     )

@@ -142,6 +142,12 @@ class Scenario(Told, Frozen):
         return replace(self, **_body(self.believed), believed=None)
 
     @property
+    def believed_told(self) -> tuple[str, ...]:
+        """A line where the drive believes in another plant than the true one."""
+        what = "designed gains, feedforward and shapers are made for [believed]"
+        return () if self.believed is None else (f"the drive knows another plant: {what}",)
+
+    @property
     def overrides_told(self) -> tuple[str, ...]:
         """What stands in place of the file's values, a line each."""
         return tuple(f"with {text}" for text in self.overrides)

@@ -198,6 +198,13 @@ class FeedforwardOf2(FeedforwardSection):
             raise ValueError(f"has an inertia beside {beside}, which says the same; keep one")
 
 
+class ModeOf2(_Mode):
+    """A mode that the plant does not feel, and what shapers take it for."""
+
+    believed_frequency: Annotated[float | None, checks.quantity_of(FREQUENCY)] = None
+    believed_damping: Annotated[float | None, checks.quantity_of(checks.DAMPING)] = None
+
+
 class _MoveOf2(MoveSection):
     shaper: Annotated[ShaperSection | None, OrWord(("none",), what_to_write("shaper"))] = None
     duration: Annotated[float | None, SECONDS] = None
@@ -219,7 +226,7 @@ class FileOf2(_Section):
     filter: FilterSection | None = None
     shaper: ShaperSection | None = None
     limits: dict[str, LimitSet] = Field(default={}, min_length=1)
-    modes: Annotated[tuple[_Mode, ...], checks.listed("modes")] = ()
+    modes: Annotated[tuple[ModeOf2, ...], checks.listed("modes")] = ()
     moves: Annotated[tuple[_MoveOf2, ...], _NOT_EMPTY, checks.listed("moves", least=1)] = ()
     tracking: Annotated[tuple[TrackingSection, ...], checks.listed("tracking")] = ()
     disturbances: DisturbanceSection = DisturbanceSection()

@@ -53,8 +53,12 @@ def jerk_filter_of(scenario: Scenario) -> JerkFilter | None:
     return None if behind is None else JerkFilter(behind.corner_hz, behind.order)
 
 
-def servo_loop_of(scenario: Scenario) -> ServoLoop:
+def servo_loop_of(
+    scenario: Scenario, fed: InertiaFeedforward | Feedforward | None = None
+) -> ServoLoop:
     """Return the loop, its gains designed where the scenario asks for that.
+
+    A feedforward that is known to be the scenario's is not made anew.
 
     Raises
     ------
@@ -68,6 +72,8 @@ def servo_loop_of(scenario: Scenario) -> ServoLoop:
     known = scenario.as_believed
     believed = plant if known is scenario else plant_of(known)
     controller = controller_of(known, believed)
+    if fed is not None:
+        return ServoLoop(plant, controller, fed)
     with _named(scenario, "feedforward"), untold(FilterWarning):  # it is told with its key
         return ServoLoop(plant, controller, feedforward_of(known, believed, controller))
 

@@ -11,7 +11,7 @@ from .units import show
 
 if TYPE_CHECKING:
     from .scenario_asked import ShaperSection
-    from .scenario_formats import FileOf2
+    from .scenario_formats import FileOf2, ModeOf2
     from .scenario_sections import ModeSection
 
 
@@ -28,8 +28,8 @@ def shapers_of(shaper: ShaperSection, file: FileOf2) -> tuple[InputShaper, ...]:
 
 
 def _mode(name: str, file: FileOf2) -> tuple[float, float]:
-    """Return frequency and damping of a mode of the file."""
-    known = {mode.name: (mode.frequency, mode.damping / 100.0) for mode in file.modes}
+    """Return frequency and damping of a mode of the file, as the drive believes them to be."""
+    known = {mode.name: _believed(mode) for mode in file.modes}
     known |= {mode.name: held_mode(mode) for mode in file.plant.modes if mode.name is not None}
     if name not in known:
         near = get_close_matches(name, known, n=1)
@@ -37,6 +37,11 @@ def _mode(name: str, file: FileOf2) -> tuple[float, float]:
         there = ", ".join(map(show, known)) or "none with a name"
         raise ValueError(f"{show(name)} is no mode of this file; {hint}write one of: {there}")
     return known[name]
+
+
+def _believed(mode: ModeOf2) -> tuple[float, float]:
+    frequency, damping = mode.believed_frequency, mode.believed_damping
+    return frequency or mode.frequency, (mode.damping if damping is None else damping) / 100.0
 
 
 def held_mode(mode: ModeSection) -> tuple[float, float]:

@@ -25,8 +25,9 @@ class ScenarioSurvey(Survey):
 
     @property
     def heading(self) -> tuple[str, ...]:
-        """The lines above the tables: the title, and what stands in place of the file's values."""
-        return (self.scenario.title, *self.scenario.overrides_told)
+        """The lines above the tables: the title, another plant believed in, and overrides."""
+        scenario = self.scenario
+        return (scenario.title, *scenario.believed_told, *scenario.overrides_told)
 
     @property
     def findings(self) -> tuple[str, ...]:

@@ -47,15 +47,19 @@ def sweep_command(
     reproduces its worst value; pictures of each figure (histogram, tornado, scatter, contours) and
     `scatter_matrix.png`.
     """
+    from .scenario import load_scenario
     from .sweeps.run import Stopped, sweep
-    from .sweeps.sweep_file import read_sweep_file
+    from .sweeps.sweep_file import read_sweep_file, told_by
 
     if scheduler is not None and workers is not None:
         raise ValueError("--workers beside --scheduler: a cluster has its own; leave one out")
+    if workers is not None and workers < 1:
+        raise ValueError(f"--workers {workers}: expected a whole number from 1 on")
     asked = read_sweep_file(sweep_file)
+    load_scenario(scenario)  # whose own faults are not the sweep file's
     client = _client(scheduler)
     try:
-        with warnings.catch_warnings():
+        with told_by(sweep_file, output), warnings.catch_warnings():
             warnings.simplefilter("ignore", Stopped)
             found = sweep(
                 scenario, **asked, output=output / "sweep.zarr", workers=workers, client=client

@@ -51,8 +51,9 @@ def read_json(path: Path, what: str) -> Any:
 
 def text_of(path: Path, what: str) -> str:
     """Return the text of a file in UTF-8; ValueError as of `read_toml` if it cannot be read."""
+    given = standard_input(what) if path == STANDARD_INPUT else None
     try:
-        content = standard_input(what) if path == STANDARD_INPUT else path.read_bytes()
+        content = path.read_bytes() if given is None else given
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(

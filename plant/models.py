@@ -73,11 +73,14 @@ class StateModel:
 
     def __call__(self, s: ArrayLike) -> Any:
         """Return D + C·(s − A)⁻¹·B at points, of a model with one input and one output."""
-        points = np.atleast_1d(np.asarray(s, dtype=complex)).ravel()
+        values = self.at(np.atleast_1d(np.asarray(s, dtype=complex)).ravel())[:, 0, 0]
+        return values[0] if np.ndim(s) == 0 else values.reshape(np.shape(s))
+
+    def at(self, points: Complex) -> Complex:
+        """Return the same at points (N,) of any model, (N, outputs, inputs)."""
         matrices = points[:, None, None] * np.eye(self.nstates) - self.A
         states = np.linalg.solve(matrices, np.broadcast_to(self.B, (len(points), *self.B.shape)))
-        values = (self.C @ states + self.D)[:, 0, 0]
-        return values[0] if np.ndim(s) == 0 else values.reshape(np.shape(s))
+        return np.asarray(self.C @ states + self.D)
 
     def __rmul__(self, gain: float) -> StateModel:
         return StateModel(self.A, self.B, gain * self.C, gain * self.D, self.dt)

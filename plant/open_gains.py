@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from ..shaping.checks import finite
 from ..shaping.real_numbers import shown
 from .controller import Controller
+from .models import StateModel
 from .pid import PID
+from .sampled import held_model
 from .servo_loop import ServoLoop
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
@@ -57,11 +56,28 @@ class OpenGains:
 
     def terms(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Return what kp, ki and kr are multiplied by in L(jω), (N, 3), ω (N,) in rad/s."""
-        dt = self.controller.sample_time
-        places = 1j * omega if dt is None else np.exp(1j * omega * dt)
-        columns = [system(places) for system in self._of_one_gain]
+        if self.controller.sample_time is not None:
+            return self._sampled_terms(np.exp(1j * omega * self.controller.sample_time))
+        columns = [system(1j * omega) for system in self._of_one_gain]
         delayed = np.exp(-1j * omega * self.delay)[:, None]
         return np.asarray(np.stack(columns, axis=1) * delayed)
+
+    @cached_property
+    def _sampled_parts(self) -> tuple[StateModel, StateModel, list[StateModel]]:
+        """Plant behind hold and delay, filters behind kp = 1, and the law of each gain alone."""
+        dt, delay = self.controller.sample_time or 0.0, self.controller.delay
+        axis = ServoLoop(self.plant, self.controller).axis
+        controllers = [self.with_gains(unit) for unit in np.eye(3)]
+        laws = [replace(each, filters=()).sampled_model() for each in controllers]
+        held = held_model(axis.measured_model(), dt, delay)
+        return held, controllers[0].sampled_model(), laws
+
+    def _sampled_terms(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return F(z)·k(z)·G(z) of each gain's law k: plant and filters are the same for all."""
+        held, filters, laws = self._sampled_parts
+        plant = held.at(z)
+        columns = [(law.at(z) @ plant)[:, 0, 0] for law in laws]
+        return np.asarray(np.stack(columns, axis=1) * filters.at(z)[:, 0, :1])
 
 
 def pure_delay(delay: float) -> float:

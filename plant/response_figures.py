@@ -40,13 +40,13 @@ def rms_error(response: LoopResponse, *, of: Of = "load", after: float = 0.0) ->
     return sqrt(float(squares @ pieces.durations / pieces.durations.sum()))
 
 
-def peak_torque(response: LoopResponse) -> float:
-    """Return the largest |u|."""
+def peak_torque(response: LoopResponse, *, of_motor: bool = False) -> float:
+    """Return the largest |u|, or of the motor's torque behind the current loop."""
     run = response.run
-    largest = 0.0
+    rows, largest = run.torque_rows if of_motor else run.hybrid.torque, 0.0
     for mode in np.unique(run.modes[:-1]):
         some = run.modes[:-1] == mode
-        low, high = _of(run.pieces(run.hybrid.torque[mode], 0.0), some).extremes()
+        low, high = _of(run.pieces(rows[mode], 0.0), some).extremes()
         largest = max(largest, high, -low)
     return largest
 

@@ -63,7 +63,9 @@ def response_part(state: State, margins: LoopMargins) -> Part:
 def _survey(state: State, move: Move, margins: LoopMargins) -> MoveSurvey:
     loops = {"with feedforward": state.loop}
     behind = jerk_filter_of(state.scenario)
-    return move_survey(move, loops, decaying_poles(margins), jerk_filter=behind, modes=())
+    return move_survey(
+        move, loops, decaying_poles(margins), jerk_filter=behind, modes=state.scenario.modes
+    )
 
 
 def _response(state: State, found: MoveSurvey) -> Part:

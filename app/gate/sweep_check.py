@@ -10,7 +10,7 @@ from typing import Any
 from ...analysis.sweep_result import SweepResult, is_worse_lower
 from ..scenario import Scenario, load_scenario
 from ..sweeps.run import sweep
-from ..sweeps.sweep_file import read_sweep_file
+from ..sweeps.sweep_file import read_sweep_file, told_by
 from .baseline import Baseline, check_origin, in_unit, load_baseline, stored_conditions
 from .check import (
     baseline_beside,
@@ -76,7 +76,8 @@ def check_sweep(
         before = load_baseline(stored_at)
         stored = in_unit(before, unit)
         check_origin(stored, stored_at, title, unit)
-    found = sweep(scenario, **asked, workers=workers)
+    with told_by(path):
+        found = sweep(scenario, **asked, workers=workers)
     numbers, now = tuple(_numbers(found)), _conditions(loaded, asked, found)
     written = Checks() if checks_at is None else load_checks(checks_at, numbers)
     changed: tuple[Change, ...] = ()

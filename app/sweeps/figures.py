@@ -13,9 +13,10 @@ from typing import Any
 
 from ...analysis.margins.shared_margins import AnyMargins, SharedLoops
 from ...analysis.partial_survey import PartialSurvey
-from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement
-from ...plant import PID, as_controller
+from ...analysis.specification import FIGURES, HIGHER_IS_BETTER, Requirement, unknown_figure
+from ...plant import PID, ServoLoop, as_controller
 from ...shaping.warned import untold
+from ..overrides import parts_of
 from ..scenario import CascadeSection, Gains, Scenario, scenario_of
 from ..scenario_commands import moves_of, survey_conditions
 from ..scenario_loop import jerk_filter_of, servo_loop_of
@@ -67,9 +68,22 @@ class Problem:
             return held
         if varies and "frf" not in plant and "believed" not in self.content:
             held["believed"] = plant
+        held |= self._believed_modes
         if said.get("lead") == "auto" and "controller.delay" in self.keys:
             clock = self.with_overrides({}).controller
             held["feedforward.lead"] = f"{clock.delay + 0.5 * (clock.sample_time or 0.0)!r} s"
+        return held
+
+    @property
+    def _believed_modes(self) -> dict[str, object]:
+        """What keeps shapers of modes that the plant does not feel, however these vary."""
+        swept = [tuple(parts_of(key)) for key in self.keys]
+        held: dict[str, object] = {}
+        for k, mode in enumerate(self.content.get("modes", ())):
+            for name in ("frequency", "damping"):
+                of_it = {("modes", place, name) for place in (mode["name"], k)}
+                if of_it & set(swept) and f"believed_{name}" not in mode:
+                    held[f"modes[{k}].believed_{name}"] = mode.get(name, "0 %")
         return held
 
     def scenario(self, values: Sequence[object]) -> Scenario:
@@ -91,12 +105,22 @@ class Problem:
 
     def _begun(self, values: Sequence[object]) -> _Servo | _Measured | Exception:
         try:
-            scenario = self.scenario(values)
-            return _Measured(scenario) if scenario.body == "frf" else _Servo(scenario)
+            given = self.overrides(values)
+            scenario = self.with_overrides(given)
+            return _Measured(scenario) if scenario.body == "frf" else self._servo(scenario, given)
         except MemoryError:
             raise
         except Exception as error:
             return error
+
+    def _servo(self, scenario: Scenario, given: Mapping[str, object]) -> _Servo:
+        """Return a point's loop, its feedforward that of a point before if all of it is held."""
+        if scenario.believed is None or not self.hold_gains:
+            return _Servo(scenario, servo_loop_of(scenario))
+        name = "fed as " + repr({key: value for key, value in given.items() if _feeds(key)})
+        loop = servo_loop_of(scenario, self._designed.get(name))
+        _keep(self._designed, name, loop.feedforward)
+        return _Servo(scenario, loop)
 
     def first_sound(self, points: Sequence[Point]) -> Point:
         """Return the first point of which there is a scenario, among the first and some others.
@@ -124,8 +148,9 @@ class Problem:
             if not isinstance(begun, Exception):
                 begun.figures([requirement_of(name) for name in self.figures])
         except ValueError as error:
-            if str(error).startswith("requirement "):
-                raise
+            told = str(error)
+            if told.startswith("requirement "):
+                raise ValueError(told.replace("requirement", "figure")) from None
 
     @untold()
     def evaluate(self, values: Sequence[object]) -> tuple[tuple[float, ...], str]:
@@ -155,10 +180,8 @@ class Problem:
         believed = {key: value for key, value in given.items() if _is_believed(key)}
         name = repr(believed)
         if name not in self._designed:
-            if len(self._designed) >= _MOST_DESIGNS:
-                self._designed.clear()
             with untold():  # the point's own loop tells it
-                self._designed[name] = _designed_gains(self.with_overrides(believed))
+                _keep(self._designed, name, _designed_gains(self.with_overrides(believed)))
         known: dict[str, str] | None = self._designed[name]
         return known
 
@@ -168,16 +191,28 @@ def _is_believed(key: str) -> bool:
     return key.startswith("controller.") and key != "controller.delay"
 
 
+def _feeds(key: str) -> bool:
+    """Whether the feedforward for a believed plant, its lead given or held, may hang on a key."""
+    return key.partition(".")[0] in ("believed", "feedforward") or _is_believed(key)
+
+
+def _keep(kept: dict[str, Any], name: str, value: Any) -> None:
+    if len(kept) >= _MOST_DESIGNS:
+        kept.clear()
+    kept[name] = value
+
+
 class _Servo:
     """A scenario's loop, built, and what is worked out of it."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.scenario, self.loop = scenario, servo_loop_of(scenario)
+    def __init__(self, scenario: Scenario, loop: ServoLoop) -> None:
+        self.scenario, self.loop = scenario, loop
         self.margins: Callable[[], AnyMargins] | None = None
 
     def figures(self, asked: Sequence[Requirement]) -> Sequence[float]:
         """Return figures in SI units."""
-        conditions, behind = survey_conditions(self.scenario), jerk_filter_of(self.scenario)
+        behind = jerk_filter_of(self.scenario)
+        conditions = survey_conditions(self.scenario) | {"modes": self.scenario.modes}
         moves = moves_of(self.scenario)
         survey = PartialSurvey(
             self.loop, moves, jerk_filter=behind, conditions=conditions, margins=self.margins
@@ -240,7 +275,8 @@ def check_figures(names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if not isinstance(name, str):
             raise ValueError(f"figures: {name!r}: expected a name, such as 'phase_margin'")
-        requirement_of(name)
+        if name.rpartition(".")[2] not in FIGURES:
+            raise ValueError(f"figures: {unknown_figure(name)}")
         if list(names).count(name) > 1:
             raise ValueError(f"figures: {name!r} is given twice; give it once")
     return tuple(names)

@@ -21,7 +21,7 @@ from .progress import shown_progress
 from .result import ScenarioSweep
 from .sampling import Design, Point, points_of
 from .store import NEEDS, Store
-from .workers import batch_of, batches_of, rows_of
+from .workers import batch_of, batches_of, check_workers, rows_of
 
 if TYPE_CHECKING:
     import xarray
@@ -69,7 +69,7 @@ def sweep(
         Of the sample: the same seed gives the same points.
     hold_gains : bool, optional
         A drive knows no better than the file: gains that it asks to be designed, feedforward,
-        and shapers of the plant's modes are made for plant and delay in the file (and for
+        and shapers of modes are made for plant, modes and delay in the file (and for
         whatever else of the controller is swept, such as its specification), and held. False
         makes them anew at every point.
     output : path, optional
@@ -108,6 +108,7 @@ def sweep(
         raise TypeError(
             f"client = {client!r}: expected a dask.distributed.Client, Client({client!r})"
         )
+    check_workers(workers)
     path, known = Path(scenario), parameters_of(parameters)
     design, points = points_of(known, design, samples, seed)
     nominal = load_scenario(path)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,17 @@ def read_sweep_file(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     return {"parameters": parameters, **content}
+
+
+@contextmanager
+def told_by(path: Path, *others: Path) -> Iterator[None]:
+    """Name the sweep file in errors about what it asks for, not in those that name others."""
+    try:
+        yield
+    except ValueError as error:
+        if str(error).startswith(tuple(map(str, others))):
+            raise
+        raise ValueError(f"{path}: {error}") from None
 
 
 def _flat(table: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:

@@ -51,10 +51,14 @@ def rows_of(
     yield from _by_processes(problem, given, count)
 
 
-def _workers(workers: int | None, batches: int) -> int:
-    """Return how many processes are of use."""
+def check_workers(workers: int | None) -> None:
+    """Raise ValueError for what is no number of processes."""
     if workers is not None and (type(workers) is not int or workers < 1):
         raise ValueError(f"workers = {workers!r}: expected a whole number from 1 on")
+
+
+def _workers(workers: int | None, batches: int) -> int:
+    """Return how many processes are of use."""
     return max(1, min(workers or os.cpu_count() or 1, batches))
 
 

@@ -478,16 +478,20 @@ def test_a_mode_too_slow_to_wait_for_is_told_in_one_line():
     assert told(1.0) == []
 
 
-def test_the_current_of_the_peak_torque_is_told_where_its_constant_is_known():
+@pytest.mark.parametrize("lag", [0.0, 0.02])
+def test_the_peak_of_the_current_behind_its_loop_is_told_where_its_constant_is_known(lag):
     controller = Controller(PID(28.0, 38.0, 6.6), sample_time=1e-3)
     for constant, told in ((0.5, True), (None, False)):
-        axis = Axis(1.0, gear_ratio=10.0, torque_constant=constant)
+        axis = Axis(1.0, gear_ratio=10.0, torque_constant=constant, current_lag=lag)
         found = survey(ServoLoop(axis, controller, InertiaFeedforward(1.0)), [move()])
         shown = found.moves[0].configured
-        assert ("current [A]" in str(found)) == told
+        assert ("motor current" in str(found)) == told
         assert isnan(shown.peak_current) != told
         if told:
-            assert shown.peak_current == shown.peak_torque / 5.0
+            most = float(np.abs(shown.response.current).max())
+            assert most <= shown.peak_current * (1.0 + 1e-12)
+            assert shown.peak_current == pytest.approx(most, rel=1e-4)
+            assert (shown.peak_current < 0.999 * shown.peak_torque / 5.0) == (lag > 0.0)
 
 
 def test_a_torque_step_counts_from_where_a_constant_load_holds_the_axis():

@@ -49,7 +49,7 @@ def test_its_loop_is_stable_and_its_moves_settle_within_the_torque_limit(name):
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_its_file_is_right_by_the_schema(path):
-    if path.name.endswith(".check.toml"):
+    if "." in path.stem:  # what lies beside a scenario
         return
     from jsonschema import Draft202012Validator  # which takes seconds to load
 

@@ -10,7 +10,7 @@ from jounce.app import load_scenario
 from jounce.app.explorer.asked import asked_part, with_asked, without_asked
 from jounce.app.explorer.state import opened
 
-EVERY = sorted(path.stem for path in EXAMPLES.glob("*.toml") if "check" not in path.name)
+EVERY = sorted(path.stem for path in EXAMPLES.glob("*.toml") if "." not in path.stem)
 
 
 def sections(session, *messages):

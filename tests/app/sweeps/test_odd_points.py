@@ -2,6 +2,7 @@
 
 import json
 import sys
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import xarray
 from swept_axis import AXIS
 
 from jounce.analysis.sweep_result import SweepResult
-from jounce.app import ScenarioSweep, Uniform, sweep
+from jounce.app import ScenarioSweep, Uniform, sweep, sweep_command
 from jounce.app.sweeps.store import Store
 from jounce.app.sweeps.sweep_file import read_sweep_file
 
@@ -139,7 +140,7 @@ def test_a_range_of_a_kind_that_there_is_not_names_those_that_there_are(tmp_path
         read_sweep_file(path)
 
 
-def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, run):
+def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, run, monkeypatch):
     asked = tmp_path / "sweep.toml"
     asked.write_text(
         'figures = ["phase_margin"]\nsamples = 4\ndesign = "sensitivity"\n[parameters]\n'
@@ -152,6 +153,7 @@ def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, r
     assert (status, errors) == (0, [])
     assert "Sobol's indices" in out
     assert (tmp_path / "out" / "scatter_matrix.png").exists()
+    monkeypatch.setattr(sweep_command, "_write", lambda *_: [])  # pictures take their time
     indices = json.loads(run(*arguments, "--json")[1])["influences"]["phase_margin"]
     assert set(indices) == {"plant.inertia", "plant.modes.top.damping"}
     inertia, damping = (indices[key]["total"] for key in indices)
@@ -161,7 +163,8 @@ def test_the_command_tells_what_matters_and_draws_all_over_all(axis, tmp_path, r
     assert "a cluster has its own" in errors[0]
     status, _, errors = run(*arguments[:-2], "--scheduler", "nonsense")
     assert (status, len(errors)) == (2, 1)
-    assert "write an address such as tcp://" in errors[0]
+    assert "nobody answers there" in errors[0]
+    assert "such as tcp://" in errors[0]
 
 
 def test_a_sweep_file_that_is_not_there_is_told_before_its_baseline(axis, tmp_path, run):
@@ -179,3 +182,40 @@ def test_what_an_extra_would_bring_is_told_in_a_line(axis, tmp_path, run, monkey
     status, _, errors = run("sweep", axis, asked, "--output", tmp_path / "out", "--workers", 1)
     assert status == 2
     assert errors == ["jounce: a sweep needs xarray, zarr and dask: pip install 'jounce[sweep]'"]
+
+
+RANGE = '[parameters]\n"plant.inertia" = ["1 kg m^2", "2 kg m^2"]\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "told"),
+    [
+        ('figures = ["load_setling"]\n' + RANGE, (), "did you mean 'load_settling'"),
+        (
+            'figures = ["friction_spike"]\n' + RANGE,
+            (),
+            "give the axis a friction, or leave the figure",
+        ),
+        ("samples = -4\n" + RANGE, (), "samples = -4: expected how many points"),
+        (RANGE.replace("inertia", "inertias"), (), "override plant.inertias: unknown key"),
+        (RANGE, ("--workers", "0"), "--workers 0: expected a whole number from 1 on"),
+    ],
+)
+def test_what_a_sweep_file_asks_wrongly_is_told_in_a_line_with_its_name(
+    axis, tmp_path, run, text, more, told
+):
+    file = tmp_path / "swept.toml"
+    file.write_text(text, encoding="utf-8")
+    status, _, errors = run("sweep", axis, file, "-o", tmp_path / "none", *more)
+    assert (status, len(errors)) == (2, 1)
+    assert told in errors[0]
+    assert (f"{file}: " in errors[0]) == (not more)
+    assert "requirement" not in errors[0]
+    assert not (tmp_path / "none").exists()
+
+
+def test_standard_input_for_both_files_is_refused_with_one_remedy(tmp_path, run, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", TextIOWrapper(BytesIO(RANGE.encode())))
+    status, _, errors = run("sweep", "-", "-", "-o", tmp_path / "none")
+    assert (status, len(errors)) == (2, 1)
+    assert errors[0].count("name a scenario file (TOML)") == 1

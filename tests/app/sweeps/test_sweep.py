@@ -13,6 +13,7 @@ from swept_axis import AXIS, INERTIA, QUICK
 from jounce.app import LogUniform, Normal, ScenarioSweep, Uniform, survey_file, sweep
 from jounce.app.scenario import read_content
 from jounce.app.sweeps.figures import Problem
+from jounce.app.sweeps.sweep_file import read_sweep_file
 from jounce.app.sweeps.workers import _work_there
 
 TELESCOPE = Path(__file__).parents[3] / "examples" / "telescope_azimuth.toml"
@@ -41,6 +42,15 @@ def test_a_grid_has_every_value_with_every_other_and_the_survey_s_numbers(axis):
     )
     assert data["load_settling"].values[3] == alone.moves[0].configured.load_settling_time_s
     assert data["phase_margin"].values[3] == alone.margins.phase_margin_deg
+
+
+def test_the_example_of_a_sweep_file_is_swept():
+    asked = read_sweep_file(TELESCOPE.with_suffix(".sweep.toml")) | {"samples": 2}
+    found = sweep(TELESCOPE, **asked, workers=1)
+    assert found.dataset.sizes["point"] == 2
+    assert [name for name in asked["figures"] if np.isfinite(found.values(name)).all()] == (
+        asked["figures"]
+    )
 
 
 def test_gains_are_held_where_the_plant_varies(axis):
@@ -127,10 +137,10 @@ def test_whatever_goes_wrong_at_a_point_is_told_there(axis, monkeypatch, wrong):
 
     honest = figures.servo_loop_of
 
-    def failing(scenario):
+    def failing(scenario, *more):
         if scenario.inertia == 3.0:
             raise wrong
-        return honest(scenario)
+        return honest(scenario, *more)
 
     monkeypatch.setattr(figures, "servo_loop_of", failing)
     keys = {"plant.inertia": ["2 kg m^2", "3 kg m^2", "2.5 kg m^2"]}

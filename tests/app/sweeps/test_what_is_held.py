@@ -3,6 +3,8 @@
 import pytest
 from swept_axis import AXIS
 
+from jounce.analysis import residual_vibration
+from jounce.analysis.planned_moves import planned
 from jounce.app import load_scenario, survey_file, sweep
 from jounce.app.scenario_loop import servo_loop_of
 from jounce.plant import (
@@ -123,6 +125,9 @@ def test_a_scenario_can_believe_in_another_plant(file):
     assert alone.plant == Inertia(1.5)
     assert loop.controller_noun == alone.controller_noun
     assert loop.feedforward_noun == alone.feedforward_noun
+    assert scenario.as_believed.believed_told == ()
+    [told] = survey_file(scenario).heading[1:]
+    assert told.endswith("are made for [believed]")
 
 
 @pytest.mark.parametrize(
@@ -136,3 +141,29 @@ def test_a_scenario_can_believe_in_another_plant(file):
 def test_a_plant_that_cannot_be_believed_is_refused(file, said, told):
     with pytest.raises(ValueError, match=told):
         load_scenario(file(AXIS + said))
+
+
+def test_a_shaper_is_made_for_the_mode_that_the_file_has_outside_of_the_plant(file):
+    text = GIVEN + (
+        '[shaper]\nkind = "ZV"\nmodes = ["rope"]\n'
+        '[[modes]]\nname = "rope"\nfrequency = "0.5 Hz"\ndamping = "1 %"\n'
+    )
+    keys = {"modes.rope.frequency": ["0.45 Hz", "0.5 Hz"], "modes[0].damping": ["1 %", "2 %"]}
+    path, asked = file(text), ["residual_vibration"]
+    found = sweep(path, keys, figures=asked, workers=1)
+    deg, times = 0.017453292519943295, input_shaper("ZV", 0.5, 0.01).times
+    for point, (frequency, damping) in enumerate([(0.45, 0.01), (0.45, 0.02), (0.5, 0.01)]):
+        scenario = found.case(point).scenario
+        assert scenario.moves[0].shapers[0].times == pytest.approx(times)
+        left = residual_vibration(planned(scenario.moves[0]), frequency, damping)
+        assert found.values(asked[0])[point] == pytest.approx(left / deg, abs=1e-9)
+    assert found.values(asked[0])[2] < 1e-9 < 1.0 < found.values(asked[0])[0]
+    alone = survey_file(path, overrides=dict(found.case(1).overrides)).moves[0]
+    assert found.values(asked[0])[1] == alone.residual_vibration["rope"] / deg
+    anew = sweep(path, keys, figures=asked, workers=1, hold_gains=False)
+    assert anew.values(asked[0]) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_left_ringing_in_no_mode_is_no_figure(file):
+    with pytest.raises(ValueError, match=r"'residual_vibration': .* give modes=…"):
+        sweep(file(GIVEN), {"plant.inertia": ["2 kg m^2"]}, figures=["residual_vibration"])
