@@ -75,7 +75,7 @@ def links_of_the_site(_app: object, page: str, source: list[str]) -> None:
     notebook = r"\[([^]]+)\]\((?:\.\./)+notebooks/(\w+)\.ipynb\)"
     source[0] = re.sub(notebook, r"{doc}`\1 </notebooks/\2>`", source[0])
     for name in PAGES:
-        source[0] = source[0].replace(f"](../{name})", f"]({name.lower()})")
+        source[0] = re.sub(rf"\]\(((?:\.\./)*)\.\./{name}\)", rf"](\1{name.lower()})", source[0])
     if page in {Path(name).stem.lower() for name in PAGES}:
         source[0] = source[0].replace("](docs/", "](")
     if "/" not in page:
