@@ -114,6 +114,10 @@ def measured_survey(
     labels : Labels, optional
         How the results are told. Default: without a title, in rad.
 
+    Returns
+    -------
+    MeasuredSurvey
+
     Raises
     ------
     UnstableLoopError

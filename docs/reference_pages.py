@@ -83,7 +83,8 @@ def _row(parameter: Any) -> str:
 
 def _prose(text: str | None) -> str:
     """Return help as a paragraph; what it marks for the terminal is left out."""
-    return " ".join((text or "").split()).replace("\b", "").replace("<", "&lt;")
+    told = " ".join((text or "").split()).replace("\b", "")
+    return re.sub(r"([<$*_\[])", r"\\\1", told)
 
 
 def schema_page() -> str:

@@ -262,6 +262,10 @@ def chain_axis(
 ) -> Axis:
     """Return an axis of masses in a row; the motor is the first, the load the last.
 
+        m_k·x_k'' = −s_k·(x_k − x_{k+1}) − d_k·(x_k' − x_{k+1}') + the same of k − 1, reversed
+
+    in units that fit: kg m², N m/rad and N m s/rad, or kg, N/m and N s/m.
+
     Parameters
     ----------
     masses : sequence of n floats
@@ -272,6 +276,16 @@ def chain_axis(
         Between neighbours, ≥ 0. Default: none.
     **others
         As in `Axis`, but for J and modes.
+
+    Returns
+    -------
+    Axis
+        Whose J is the sum of the masses.
+
+    Raises
+    ------
+    ValueError
+        For numbers that are not n − 1 beside n masses, or have the wrong sign.
 
     Examples
     --------
@@ -300,7 +314,18 @@ def system_axis(system: Any, **others: Any) -> Axis:
         one: what it shows is measured, disturbances act where the torque does.
     **others
         As in `Axis`, but for J, modes, viscous, load_viscous and spring, which the system has.
-        J is then the inertia that it shows at low frequency, nan if it does not move freely.
+        J is then the inertia that it shows at low frequency, nan if it does not move freely:
+        J = lim 1/(s²·G(s)), s → 0.
+
+    Returns
+    -------
+    Axis
+        In the system's own units.
+
+    Raises
+    ------
+    ValueError
+        For a system that is discrete, improper, or of several inputs or outputs.
     """
     given = state_space(
         system, improper="give two poles more than zeros at least, from torque to position"
@@ -320,7 +345,23 @@ def system_axis(system: Any, **others: Any) -> Axis:
 
 
 def as_axis(plant: Any) -> Axis:
-    """Return any plant as an axis: an Axis, Inertia, FlexibleInertia or python-control system."""
+    """Return any plant as an axis.
+
+    Parameters
+    ----------
+    plant : Axis, Inertia, FlexibleInertia or python-control system
+        A system as in `system_axis`.
+
+    Returns
+    -------
+    Axis
+        With the same transfer function from torque to position, in the plant's own units.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
     if isinstance(plant, Axis):
         return plant
     if isinstance(plant, Inertia):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Sensitivity(NamedTuple):
-    """The four transfer functions of a closed loop.
+    """The four transfer functions of a closed `ServoLoop`, as python-control systems.
 
     Attributes
     ----------

@@ -202,7 +202,22 @@ class Controller(Frozen):
 
 
 def as_controller(controller: Any) -> Controller:
-    """Return a Controller: itself, or a law without filters, continuous."""
+    """Return a Controller: itself, or a law without filters, continuous.
+
+    Parameters
+    ----------
+    controller : Controller, PID or CascadedPI
+
+    Returns
+    -------
+    Controller
+        Torque per error in the law's own units.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
     if isinstance(controller, Controller):
         return controller
     if isinstance(controller, PID | CascadedPI):

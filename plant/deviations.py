@@ -28,7 +28,7 @@ _DECADES = (-7.0, 4.0)  # about the frequencies of wind and loop
 
 @dataclass(frozen=True)
 class LoopDeviations:
-    """Standard deviations of a loop under stationary disturbance, the command still.
+    """Standard deviations of a `ServoLoop` in stationary `Wind` or noise, the command still.
 
     Attributes
     ----------

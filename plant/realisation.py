@@ -63,9 +63,19 @@ def noise_realisation(noise: Spectrum, samples: int, dt: float, *, seed: int) ->
     samples : int
         How many, as `respond` asks for: one each dt before the end of the response.
     dt : float
-        Sample time, positive.
+        Sample time in s, positive.
     seed : int
         From 0 on.
+
+    Returns
+    -------
+    (samples,) array
+        In the unit of the measured position.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For a spectrum, number of samples, sample time or seed of another kind.
 
     Examples
     --------

@@ -64,7 +64,20 @@ def plot_describing_gain(
     lag: FirstOrderLag | None = None,
     time_unit: str = "s",
 ) -> Axes:
-    """Draw the gain of a describing function; parameters as in `plot_describing_function`."""
+    """Draw the gain, |N| in dB, of a describing function over amplitude and frequency.
+
+    Parameters
+    ----------
+    describing : DescribingFunction
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    lag, time_unit : optional
+        As in `plot_describing_function`.
+
+    Returns
+    -------
+    Axes
+    """
     ax = single_axes(ax, _SIZE)
     _draw(describing.gain_db, describing, ax)
     _draw_lags(describing, lag, ax, lambda response: 20.0 * np.log10(np.abs(response)))
@@ -79,7 +92,20 @@ def plot_describing_phase(
     lag: FirstOrderLag | None = None,
     time_unit: str = "s",
 ) -> Axes:
-    """Draw the phase of a describing function; parameters as in `plot_describing_function`."""
+    """Draw the phase, arg N in degrees, of a describing function over amplitude and frequency.
+
+    Parameters
+    ----------
+    describing : DescribingFunction
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    lag, time_unit : optional
+        As in `plot_describing_function`.
+
+    Returns
+    -------
+    Axes
+    """
     ax = single_axes(ax, _SIZE)
     _draw(describing.phase_deg, describing, ax)
     _draw_lags(describing, lag, ax, lambda response: np.degrees(np.angle(response)))
@@ -91,7 +117,20 @@ def plot_describing_phase(
 def plot_periodic_response(
     periodic: PeriodicResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
-    """Draw command and output over one period; without an Axes in pyplot's current ones."""
+    """Draw command, A·sin ωt, and output over one period.
+
+    Parameters
+    ----------
+    periodic : PeriodicResponse
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    unit, time_unit : str, optional
+        Of positions and times, for the labels.
+
+    Returns
+    -------
+    Axes
+    """
     ax = single_axes(ax, _SIZE)
     ax.plot(periodic.time, periodic.command, color=GREY, label="command")
     ax.plot(periodic.time, periodic.output, color=BLUE, label="output")

@@ -47,6 +47,13 @@ def draw(result: object, ax: Axes | None = None, **options: Any) -> Axes | Figur
         co-simulation, or what shapers are as filters.
     ax : Axes, optional
         To draw in, for pictures of one panel. Default: pyplot's current ones.
+    **options
+        As `plot_trajectory`, `plot_survey` and the others have them.
+
+    Returns
+    -------
+    Axes or Figure
+        A Figure where the picture has several panels.
 
     Raises
     ------

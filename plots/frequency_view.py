@@ -151,7 +151,20 @@ def plot_vibration_by_size(
 def plot_null_by_size(
     nulls: NullBySize, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
-    """Draw the null nearest to a frequency over the distance, and whether it stays or moves."""
+    """Draw the null nearest to a frequency over the distance, and whether it stays or moves.
+
+    Parameters
+    ----------
+    nulls : NullBySize
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    unit, time_unit : str, optional
+        Of positions and times, for the labels.
+
+    Returns
+    -------
+    Axes
+    """
     ax = single_axes(ax, _SIZE)
     distances = np.abs(nulls.distances)
     for chosen, color, marker, name in (

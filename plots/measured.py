@@ -43,6 +43,17 @@ def plot_measured_response(
     measured : MeasuredResponse
     controller : Controller, PID, CascadedPI or python-control system, optional
     figure : Figure, optional
+        To draw in. Default: pyplot's current one if it is empty, else a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
+        Gains in dB and phases in degrees over Hz.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `open_loop` and `loop_margins` do.
     """
     measured = as_measured(measured, plant=controller is not None)
     if measured.kind in ("plant", "process-sensitivity") and controller is None:
@@ -76,7 +87,24 @@ def plot_measured_survey(survey: MeasuredSurvey, *, figure: Figure | None = None
 def plot_measured_nyquist(
     measured: MeasuredResponse, margins: MeasuredMargins, *, ax: Axes, controller: Any = None
 ) -> Axes:
-    """Draw L around −1: its lines with circles of 95 %, and the rational fits between them."""
+    """Draw L around −1: its lines with circles of 95 %, and the rational fits between them.
+
+    A dashed circle about −1 touches L: its radius is the modulus margin, min |1 + L|.
+
+    Parameters
+    ----------
+    measured : MeasuredResponse
+    margins : MeasuredMargins
+        Of `loop_margins` of the same.
+    ax : Axes
+        To draw in.
+    controller : optional
+        As in `open_loop`.
+
+    Returns
+    -------
+    Axes
+    """
     loop, between = open_loop(measured, controller), loop_grid(factored_loop(measured, controller))
     values = loop.response
     near = abs(values + 1.0) < 3.0

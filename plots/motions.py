@@ -201,7 +201,21 @@ def plot_motions(
 def plot_following(
     response: FollowerResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
-    """Draw the commands as steps, and the position that follows them, against time."""
+    """Draw the commands as steps, and the position that follows them, against time.
+
+    Parameters
+    ----------
+    response : FollowerResponse
+        Of a `CommandFollower`.
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    unit, time_unit : str, optional
+        Of positions and times, for the labels.
+
+    Returns
+    -------
+    Axes
+    """
     ax, edges = single_axes(ax, _SIZE), np.concatenate([[0.0], response.time])
     ax.stairs(response.commands, edges, color=GREY, baseline=None, label="command")
     ax.plot(response.time, response.states[0], color=BLUE, label="position")
@@ -214,7 +228,21 @@ def plot_following(
 def plot_phase_plane(
     response: FollowerResponse, *, ax: Axes | None = None, unit: str = "", time_unit: str = "s"
 ) -> Axes:
-    """Draw velocity against position, and where the command changed (Thompson, Figure 2c)."""
+    """Draw velocity against position, and where the command changed (Thompson, Figure 2c).
+
+    Parameters
+    ----------
+    response : FollowerResponse
+        Of a `CommandFollower`.
+    ax : Axes, optional
+        To draw in. Default: pyplot's current ones.
+    unit, time_unit : str, optional
+        Of positions and times, for the labels.
+
+    Returns
+    -------
+    Axes
+    """
     ax = single_axes(ax, _SIZE)
     position, velocity = response.states[:2]
     ax.plot(position, velocity, color=BLUE)

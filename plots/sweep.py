@@ -34,6 +34,10 @@ def plot_sweep(result: SweepResult, *, figure: Figure | None = None) -> Figure:
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
     """
     figure = panels_figure(figure, (10.0, 7.0))
     panels = figure.subplots(2, 2)
@@ -59,6 +63,11 @@ def plot_scatter_matrix(result: SweepResult, *, figure: Figure | None = None) ->
     result : SweepResult
     figure : Figure, optional
         As in `plot_sweep`.
+
+    Returns
+    -------
+    Figure
+        Axes have the names of figures and parameters, with their units.
     """
     rows = result.figures[:_MOST_IN_A_MATRIX]
     columns = [p for p in result.parameters if _is_number(result, p)][:_MOST_IN_A_MATRIX]

@@ -38,7 +38,7 @@ def spline_divisor(order: int) -> int:
 
 
 def switch_fractions(order: int) -> FloatArray:
-    """Return the switch times of a perfect spline as fractions of its duration.
+    """Return the switch times of a `perfect_spline` as fractions of its duration.
 
         t_k / T = sin²(kπ / (2n)),   k = 0 … n
 

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parent.parent
 PAGES = {
     path: path.read_text(encoding="utf-8")
     for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
-    if path.name not in ("changelog.md", "contributing.md")  # which building the site leaves
+    if path.stem not in ("changelog", "contributing", "security")  # which building the site leaves
 }
 TEXT = PAGES[ROOT / "README.md"]
 

@@ -232,7 +232,20 @@ def corner_omega(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> fl
 def rollover_db_per_decade(shaper: Shaper, *, jerk_filter: JerkFilter | None = None) -> float:
     """Return by how much the envelope of |H| falls per decade at high frequencies.
 
-    20 dB for the order of the lowest derivative that jumps, and for every lag of a filter.
+        20 dB · (k + m),   |H(ω)| ≲ c/ω^(k + m),   ω → ∞
+
+    k is the order of the lowest derivative that jumps, m the number of lags of a filter.
+
+    Parameters
+    ----------
+    shaper : Trajectory or JerkFilter
+    jerk_filter : JerkFilter, optional
+        Behind a trajectory.
+
+    Returns
+    -------
+    float
+        dB per decade, positive.
     """
     shaper = _checked(shaper, jerk_filter)
     order = shaper.order if isinstance(shaper, JerkFilter) else shaper.lowest_jump()

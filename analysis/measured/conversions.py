@@ -60,6 +60,16 @@ def open_loop(measured: MeasuredResponse, controller: Any = None) -> MeasuredRes
     measured : MeasuredResponse
     controller : Controller, PID, CascadedPI or python-control system, optional
         Needed with a plant and with PS, refused with the others.
+
+    Returns
+    -------
+    MeasuredResponse
+        Of kind "loop", on the same frequencies in Hz.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For a controller that is missing or too many, and for what is no measured response.
     """
     measured = as_measured(measured, plant=controller is not None)
     parts = factored_loop(measured, controller)
@@ -72,7 +82,26 @@ def open_loop(measured: MeasuredResponse, controller: Any = None) -> MeasuredRes
 
 
 def plant_response(measured: MeasuredResponse, controller: Any) -> MeasuredResponse:
-    """Return G on the lines of a measured loop, S, T or PS, by the controller it ran with."""
+    """Return G on the lines of a measured loop, S, T or PS, by the controller it ran with.
+
+        G = L/C,   |dG| = |dL|/|C|,   L as `open_loop` has it
+
+    Parameters
+    ----------
+    measured : MeasuredResponse
+        One of a plant is returned as it is.
+    controller : Controller, PID, CascadedPI or python-control system
+
+    Returns
+    -------
+    MeasuredResponse
+        Of kind "plant", position per torque, on the same frequencies in Hz.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For a controller that is missing, or sampled at another rate than the data.
+    """
     measured = as_measured(measured, plant=False)
     if measured.kind == "plant":
         return measured
@@ -127,7 +156,26 @@ class ClosedResponses(Told, Frozen):
 
 
 def closed_responses(measured: MeasuredResponse, controller: Any = None) -> ClosedResponses:
-    """Return S = 1/(1 + L) and T = L·S on the lines of a measured response."""
+    """Return S and T on the lines of a measured response.
+
+        S = 1/(1 + L),   T = L·S,   |dS| = |dT| = |S|²·|dL|
+
+    Parameters
+    ----------
+    measured : MeasuredResponse
+    controller : Controller, PID, CascadedPI or python-control system, optional
+        As in `open_loop`, which L is of.
+
+    Returns
+    -------
+    ClosedResponses
+        On the same frequencies in Hz.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `open_loop` does.
+    """
     loop = open_loop(measured, controller)
     s = 1.0 / (1.0 + loop.response)
     sigma = _times(loop.sigma, abs(s) ** 2)

@@ -78,6 +78,16 @@ def repeated_margins(
         By name: of a position, a day, a machine.
     controller, measured_with : optional
         As in `loop_margins`.
+
+    Returns
+    -------
+    RepeatedMargins
+        Phases in degrees, gains in dB, frequencies in Hz, as `MeasuredMargins` has them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Where no measurement is given, or they have no names; else as `loop_margins` does.
     """
     if not isinstance(measured, Mapping):
         raise TypeError(

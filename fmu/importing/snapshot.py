@@ -10,7 +10,7 @@ from .standing import Clock
 
 
 class FmuState:
-    """A snapshot of an FMU, of `Fmu.get_state`; freed with the last reference to it."""
+    """A snapshot of an `Fmu`, of `Fmu.get_state`; freed with the last reference to it."""
 
     __slots__ = ("__weakref__", "_clock", "_inputs", "_pointer", "_session")
 

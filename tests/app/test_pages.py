@@ -3,6 +3,7 @@
 import doctest
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -54,3 +55,24 @@ def test_every_page_is_in_a_list():
     for part in ("tutorials", "how-to", "explanation"):
         listed = (DOCS / part / "index.md").read_text(encoding="utf-8").split()
         assert {page.stem for page in (DOCS / part).glob("*.md")} - {"index"} <= set(listed), part
+
+
+def test_the_search_has_words_of_every_how_to_and_of_no_page_that_is_not():
+    words = tomllib.loads((DOCS / "search_words.toml").read_text(encoding="utf-8"))
+    above = {"changelog", "contributing", "security"}  # which the site brings from above
+    assert [page for page in words.keys() - above if not (DOCS / f"{page}.md").exists()] == []
+    assert {f"how-to/{page.stem}" for page in (DOCS / "how-to").glob("*.md")} - words.keys() == {
+        "how-to/index"
+    }
+
+
+@pytest.mark.slow
+def test_every_public_name_leads_on(monkeypatch):
+    monkeypatch.syspath_prepend(DOCS)
+    from see_also import public_names, see_also
+
+    alone = [name for name, package in public_names().items() if not see_also(f"{package}.{name}")]
+    assert alone == []
+    assert ":doc:`/how-to/prove`" in "".join(see_also("jounce.shaping.certify"))
+    assert "jounce.shaping.Certificate`" in "".join(see_also("jounce.shaping.certify"))
+    assert see_also("jounce.shaping.Limits.velocity") == []
