@@ -70,8 +70,8 @@ def min_time_transfer(
     programs over the whole horizon find motions from above and exclude durations from below, on
     grids that are refined until both meet (`certify` has the proof). It takes 20 to 120 ms at
     order 4, 0.1 to 0.5 s at orders 5 and 6, 0.3 to 2 s at orders 7 and 8, some up to ten. The
-    search ends by a count of the work done, the same on every machine, after ten seconds or so:
-    with what is known. Motions long against their ramps are planned and proven by their ramps;
+    search ends by a count of the work done, after ten seconds or so, at worst thirty, with what is
+    known then. Motions long against their ramps are planned and proven by their ramps;
     where a highest bound, or several, takes less than 2 % of the motion, it is planned and proven
     with fewer derivatives, then averaged. A duration above four times the least is taken by a
     rest in between, where there is time for one, unless a motion without is gentler: the share of
