@@ -89,7 +89,8 @@ def _client(scheduler: str | None) -> Any:
 
         raise ValueError(NEEDS) from None
     try:
-        client: Any = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
+        # Else one that finds nobody stays what dask works by.
+        client: Any = Client(scheduler, timeout="10s", set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:  # the latter of what is no address
         raise ValueError(
             f"--scheduler {show(scheduler)}: nobody answers there ({error}); give the address that "

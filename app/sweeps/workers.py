@@ -146,7 +146,7 @@ def _by_cluster(
     work: Callable[..., Any] = _work_there
     waiting = [client.submit(work, problem, *batch, pure=False, retries=2) for batch in given]
     try:
-        for done in as_completed(waiting):  # type: ignore[no-untyped-call]
+        for done in as_completed(waiting, loop=client.loop):  # type: ignore[no-untyped-call]
             yield done.result()
             done.release()
     finally:
