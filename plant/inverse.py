@@ -112,6 +112,10 @@ def low_frequency_feedforward(
         rate of its reference needs no higher one.
     controller : PID, CascadedPI or Controller, optional
         As in `inverse_feedforward`.
+
+    Returns
+    -------
+    Feedforward
     """
     axis, order = as_axis(plant), whole_number("order", order, 2, MAX_ORDER)
     whole, load, motor = _polynomials(axis)

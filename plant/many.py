@@ -50,6 +50,11 @@ def respond_all(
     **others
         Further arguments of `ServoLoop.respond`.
 
+    Returns
+    -------
+    list
+        What `figures` returned, in the order of the loops.
+
     Raises
     ------
     ValueError, TypeError

@@ -32,6 +32,10 @@ def wind_realisation(
     seed : int
         From 0 on.
 
+    Returns
+    -------
+    SampledTorque
+
     Examples
     --------
     >>> breeze = Wind("von_karman", 50.0, length_over_speed=5.0)

@@ -36,6 +36,10 @@ def plot_conformance(
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
     """
     count = len(result.bands)
     figure = panels_figure(figure, (8.0, 2.3 * count + 1.0))

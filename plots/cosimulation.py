@@ -38,6 +38,10 @@ def plot_cosimulation(
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     ValueError

@@ -47,6 +47,10 @@ def plot_describing_function(
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Axes
     """
     figure = panels_figure(figure, (8.0, 7.0))
     upper: Axes

@@ -52,6 +52,10 @@ def plot_frequency_responses(
         Lower end of the axis: a null has no bottom.
     time_unit : str, optional
         For the label.
+
+    Returns
+    -------
+    Axes
     """
     ax, cycles = single_axes(ax, _SIZE), 1.0 if duration is None else positive("duration", duration)
     lowest_db = finite("lowest_db", lowest_db)
@@ -84,6 +88,10 @@ def plot_vibration_map(
         For the labels.
     lowest_db : float, optional
         What is lower has the colour of this.
+
+    Returns
+    -------
+    Axes
     """
     ax, lowest_db = single_axes(ax, _SIZE), finite("lowest_db", lowest_db)
     rows, columns = np.argsort(np.abs(vibration.distances)), np.argsort(vibration.frequencies_hz)
@@ -131,6 +139,10 @@ def plot_vibration_by_size(
         For the labels.
     lowest_percent : float, optional
         Lower end of the axis: a null has no bottom.
+
+    Returns
+    -------
+    Axes
     """
     lowest_percent = positive("lowest_percent", lowest_percent)
     ax, rows = single_axes(ax, _SIZE), np.argsort(np.abs(vibration.distances))
@@ -220,6 +232,10 @@ def plot_cascaded_lags(
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
     """
     figure = panels_figure(figure, (8.0, 6.0))
     gains, errors = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))

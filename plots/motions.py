@@ -187,6 +187,10 @@ def plot_motions(
         Default: pyplot's current ones.
     unit, time_unit : str, optional
         For the labels.
+
+    Returns
+    -------
+    Axes
     """
     ax = single_axes(ax, _SIZE)
     for (name, motion), style in zip(motions.items(), cycle(_STYLES), strict=False):

@@ -46,6 +46,10 @@ def plot_synchronized(
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     ValueError
@@ -112,6 +116,10 @@ def plot_tour(
     tour : Tour
     unit, time_unit, scale, figure : optional
         As in `plot_trajectory`.
+
+    Returns
+    -------
+    Figure
     """
     figure = plot_trajectory(tour, unit=unit, time_unit=time_unit, scale=scale, figure=figure)
     passage = tour.passage

@@ -31,6 +31,10 @@ def plot_survey(survey: Survey, *, figure: Figure | None = None) -> Figure:
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
     """
     if not (survey.is_ideal and survey.moves):
         return plot_survey_page(survey, figure=figure)

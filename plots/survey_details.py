@@ -36,6 +36,10 @@ def plot_survey_details(survey: Survey, *, figure: Figure | None = None) -> Figu
     figure : Figure, optional
         To draw in, made as large as it needs. Default: pyplot's current one if it is empty, else
         a new one of pyplot's.
+
+    Returns
+    -------
+    Figure
     """
     panels: list[Callable[..., Axes]] = []
     if survey.moves:

@@ -41,6 +41,9 @@ def test_every_public_name_is_there_and_documented(package):
             text = (value.__doc__ or "").strip()
             assert text, f"{package}.{name} has no docstring"
             assert not text.startswith(f"{name}("), f"{package}.{name} has a generated docstring"
+        if inspect.isfunction(value):
+            for part in ("Parameters", "Returns"):
+                assert f"{part}\n---" in text.replace(" ", ""), f"{package}.{name}: no {part}"
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -95,6 +95,10 @@ def estimate_frf(
     integrators, unstable_poles : int, optional
         Of the plant, as in `MeasuredResponse`.
 
+    Returns
+    -------
+    EstimatedFRF
+
     Raises
     ------
     ValueError

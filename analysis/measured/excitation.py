@@ -97,6 +97,10 @@ def multisine(
     seed : int, optional
         Another one gives another realisation.
 
+    Returns
+    -------
+    Multisine
+
     Raises
     ------
     ValueError

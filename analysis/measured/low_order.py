@@ -105,6 +105,10 @@ def fit_axis(
     sensor : "motor" or "load", optional
         Where the position was measured. Default: at the motor if all gains are above zero.
 
+    Returns
+    -------
+    FittedAxis
+
     Raises
     ------
     ValueError

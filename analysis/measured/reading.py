@@ -67,6 +67,10 @@ def read_frf(
     dt, integrators, unstable_poles : optional
         As in `MeasuredResponse`.
 
+    Returns
+    -------
+    MeasuredResponse
+
     Raises
     ------
     ValueError

@@ -189,6 +189,7 @@ class Program:
         ranges[cells:] = [0.0, 1.0 - room]
         count = len(last.lengths)
         ranges[:count] = np.outer(last.lengths, [1.0 - stage.trust, 1.0 + stage.trust])
+        ranges[self._turning()] = 0.0
         self._hold_places(last.inputs, stage.roam, ranges, less)
         costs = np.zeros(used)
         costs[slice(cells, None) if room else slice(count)] = 1.0
@@ -257,6 +258,17 @@ class Program:
             if far > node.tolerance:
                 inputs[self._places(j)] *= node.tolerance / far
         return inputs
+
+    def _turning(self) -> list[int]:
+        """Return the columns of velocities at places on a bound."""
+        stretch, count = self.stretch, len(self.stretch.legs)
+        return [
+            count + self._first[j] + k
+            for j, node in enumerate(stretch.nodes)
+            if node.ways.shape[1] == len(stretch.limits) and not node.tolerance
+            for k, one in enumerate(stretch.limits)
+            if node.place[k] in one.position
+        ]
 
     def _hold_places(
         self, inputs: FloatArray, roam: float, ranges: FloatArray, less: SparseRows

@@ -30,6 +30,12 @@ def test_a_page_does_what_it_shows(page, run, tmp_path, monkeypatch):
             check_python(page.name, body, known)
         elif language == "console":
             check_commands(body, run)
+        elif language == "toml":
+            tomllib.loads(body)
+        elif language == "python":
+            compile(body, page.name, "exec")
+        else:
+            assert language in ("text", "toctree", "bash"), language
 
 
 def check_python(name, body, known):

@@ -26,6 +26,15 @@ def test_uniform_motion_takes_its_way_over_its_velocity(way, order, given):
     np.testing.assert_array_equal(motion.end_state[:2], [way, 0.1])
 
 
+@pytest.mark.filterwarnings("ignore:this motion takes at most")
+@pytest.mark.parametrize("given", [{"velocity": (0.0, 1.0)}, {"position": (-1.0, 1.0)}])
+def test_it_does_so_at_order_2_where_the_proof_ends_a_little_below(given):
+    limits = limits_of(2, **given)
+    motion = min_time_transfer((0.0, 0.1), (1e-15, 0.1), limits)
+    assert motion.duration == pytest.approx(1e-14, rel=1e-12)
+    assert motion.violation(limits) <= 1e-12
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_accelerated_flights_take_no_longer_than_they_took(seed):
     rng = np.random.default_rng(seed)
