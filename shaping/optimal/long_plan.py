@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, ldexp
+from math import inf
 
 import numpy as np
 
 from ..endings import ended
 from ..limits import Limits
-from ..pieces import FloatArray
 from ..trajectory import Trajectory
 from ..transfers.infeasible import InfeasibleError
-from .proof import CruisingLink, Numbers, Proof, Proven, Ramp, TaylorLink
-from .whole.costate import Multipliers
+from .proof import CruisingLink, Numbers, Proof, Proven, TaylorLink
+from .ramp_reach import Reach, reach, told_by_farthest, told_by_links
 from .whole.outcome import found_plan
 from .whole.planner import Plan, planned
 from .whole.polynomials import first_root
-from .whole.problem import WholeProblem
 from .whole.search import Link as Excluded
 from .whole.warm_program import EFFORT
 
@@ -27,8 +25,6 @@ _ROUGHLY = 1e-3  # gap of a ramp that counts for little
 _SHARES = (2.0 / 3.0, 0.5, 1.0)  # of that way: ends of a ramp that are tried
 _EFFORT = 0.06 * EFFORT  # for each
 _FURTHER = 3.0  # times the ways: the second trial
-_LAST = 3  # links of a ramp's proof: each by multipliers that may tell most
-_CUTS = (0.6, 0.7, 0.8, 0.9, 1.0)  # of its time: where they may end
 _ROUNDING = 1e-12  # of the lower bound, taken off it
 
 
@@ -48,38 +44,6 @@ class LongPlan:
     def gap(self) -> float:
         """How much longer the motion takes than that at most, relative."""
         return self.trajectory.duration / self.lower_bound - 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class _Reach:
-    """How far a motion comes that starts as a ramp does, and by what multipliers.
-
-    Parameters
-    ----------
-    time : float
-    multipliers : Multipliers
-        With λ = (1, 0, …, 0).
-    terms : (n + 1,) array
-        Of degree k in the time: their sum is the farthest.
-    masses : (2, n + 1) array
-        What terms a unit of each lower and upper bound makes.
-    """
-
-    time: float
-    multipliers: Multipliers
-    terms: FloatArray
-    masses: FloatArray
-
-    @property
-    def ramp(self) -> Ramp:
-        """What a proof keeps of it."""
-        of = self.multipliers
-        return Ramp(
-            self.time,
-            tuple(of.cells.tolist()),
-            tuple((k, tuple(row.tolist())) for k, row in of.atoms.items()),
-            tuple((k, tuple(map(tuple, rows.tolist()))) for k, rows in of.densities.items()),
-        )
 
 
 def long_plan(
@@ -150,8 +114,12 @@ def _planned(
     if limits.bounds_position and motion.violation(limits) > _ROUNDING:
         return None
     order = min(_proving_order(onto), _proving_order(off))
-    ahead = _reach(onto, order), _reach(off, order)
-    return LongPlan(motion, _proven(start[:order], end[:order], limits, *ahead))
+    for told in (told_by_links, told_by_farthest):
+        ahead = reach(onto, order, told), reach(off, order, told)
+        plan = LongPlan(motion, _proven(start[:order], end[:order], limits, *ahead))
+        if plan.gap <= rtol:
+            break
+    return plan
 
 
 def _backwards(limits: Limits) -> Limits:
@@ -227,64 +195,7 @@ def _proving_order(plan: Plan) -> int:
     return len(link.multipliers.ends) if isinstance(link, Excluded) else plan.problem.order
 
 
-def _reach(plan: Plan, order: int) -> _Reach:
-    """Return how far a ramp comes at most, by what multipliers of its plan tell most.
-
-    Bounds above derivative `order` do not count. Multipliers of a velocity held all along tell the
-    least.
-    """
-    problem, one = plan.search.problem.below(order), np.ones(1)
-    held = Multipliers(one, np.eye(order)[0], {1: 0.0 * one}, {1: -np.ones((1, 1))})
-    excluded = [link.multipliers for link in plan.search.chain if isinstance(link, Excluded)]
-    found = [
-        _cut(each, share, problem)
-        for each in [each for each in excluded if len(each.ends) == order][-_LAST:]
-        for share in _CUTS
-        if each.ends[0] > 0.0
-    ]
-    reaches = [_reach_by(*each, problem, plan) for each in (*found, (held, 1.0))]
-    speed = float(plan.problem.upper[1])
-    return min(reaches, key=lambda each: float(each.terms.sum()) - speed * each.time)
-
-
-def _cut(given: Multipliers, share: float, problem: WholeProblem) -> tuple[Multipliers, float]:
-    """Return multipliers up to a share of the time, with λ = (1, 0, …, 0) there, and that time.
-
-    As far as atoms may they take over the p_k that end there.
-    """
-    count = max(int(np.searchsorted(np.cumsum(given.cells), share * (1.0 - _ROUNDING))) + 1, 1)
-    count = min(count, len(given.cells))
-    length, scale = float(given.cells[:count].sum()), 1.0 / given.ends[0]
-    atoms = {k: row[:count] * scale / length**k for k, row in given.atoms.items()}
-    for k, row in atoms.items():
-        row[-1] += given.ends[k] * scale if k and count == len(given.cells) else 0.0
-        side = problem.lower[k] if row[-1] > 0.0 else problem.upper[k]
-        row[-1] *= np.isfinite(side)
-    densities = {
-        k: rows[:, :count] * scale * length / length**k for k, rows in given.densities.items()
-    }
-    ends = np.eye(problem.order)[0]
-    return Multipliers(given.cells[:count] / length, ends, atoms, densities), length
-
-
-def _reach_by(multipliers: Multipliers, length: float, problem: WholeProblem, plan: Plan) -> _Reach:
-    n, time = problem.order, plan.search.lower * length
-    costate, powers = multipliers.costate(), time ** np.arange(n + 1.0)
-    terms = -multipliers.polynomial(problem, costate) * powers
-    terms[0] += problem.end[0]
-    masses = np.zeros((2, n + 1))
-    masses[:, :n] = multipliers.masses()
-    masses[:, n] = costate.negative.sum(), costate.positive.sum()
-    real = ldexp(time, plan.time)
-    return _Reach(
-        real,
-        multipliers,
-        np.ldexp(terms, plan.length),
-        masses * [[-1.0], [1.0]] * real ** np.arange(n + 1.0),
-    )
-
-
-def _proven(start: Numbers, end: Numbers, limits: Limits, onto: _Reach, off: _Reach) -> Proven:
+def _proven(start: Numbers, end: Numbers, limits: Limits, onto: Reach, off: Reach) -> Proven:
     """Return the bound of ramps and a cruise between them, for a motion forwards.
 
     As many bounds count as the states have derivatives.

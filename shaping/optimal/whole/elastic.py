@@ -72,6 +72,8 @@ class Elastic:
         The rows to start with.
     free : bool
         The end is free, and it is the bounds of the rows that give way, all by the same.
+    weight : float
+        Of a derivative's error at the end, position's being 1.
     shrink : float
         Of the highest derivative's bounds: what they are tightened by.
     effort : Effort, optional
@@ -89,6 +91,7 @@ class Elastic:
         near: NDArray[np.bool_],
         *,
         free: bool = False,
+        weight: float = _WEIGHT,
         shrink: float = 0.0,
         effort: Effort | None = None,
         high: NDArray[np.bool_] | None = None,
@@ -112,7 +115,7 @@ class Elastic:
         slack = np.concatenate([np.zeros(len(fixed)), np.where(self._way < 0.0, -1.0, 1.0)])[
             :, None
         ]
-        weights = np.full(n, _WEIGHT)
+        weights = np.full(n, weight)
         weights[0] = 1.0
         costs = [*weights, *weights, *[1.0 if free else _BROKEN] * 2]
         matrix = np.hstack([inputs, held, -held, slack, -slack])

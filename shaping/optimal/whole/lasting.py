@@ -13,7 +13,7 @@ from ...transfers.infeasible import InfeasibleError
 from ..long_lasting import long_lasting, no_duration
 from ..long_plan import nearer_long_plan
 from ..mesh import apart
-from .least_share import gentlest
+from .least_share import gentlest, needed_share
 from .outcome import found_plan, impossible
 from .planner import DEFAULT_RTOL, Numbers, Plan, planned
 from .problem import WholeProblem
@@ -26,6 +26,7 @@ from .warm_program import EFFORT, Effort
 _SAMPLES = 20  # multiples of a sample time that are tried
 _DOUBTFUL = 3  # of them below the motion found, not excluded: with more it is rounded up itself
 _MUCH_LONGER = 4.0  # times the least duration: then there may be time to rest in between
+_RESTING = 40.0  # times the least: gentle ramps onto rest and off it take no longer
 _LITTLE = 0.05  # of the effort, within little of the highest bound
 _AT = 1e-12  # relative: a duration that is another
 _CLEAR = 2e-4  # relative: beyond what ends a blocked interval
@@ -122,20 +123,20 @@ def _lasting(plan: Plan, duration: float, effort: Effort) -> Trajectory:
 
 def _of_duration(plan: Plan, time: float, duration: float, effort: Effort) -> Repaired:
     problem, best = plan.search.problem, plan.search.best
-    long = not problem.at_rest and (best is None or time > _MUCH_LONGER * best.time)
-    for less in with_less(problem, time):
-        with np.errstate(all="ignore"):
-            found = _within_less(less, time, long)
-        if found is not None:
-            return found
+    least = plan.search.lower if best is None else best.time
+    long = not problem.at_rest and (best is None or time > _MUCH_LONGER * least)
+    at_most = min(time, _RESTING * least) if long else time
+    with np.errstate(all="ignore"):
+        tried = (_within_less(less, time, long) for less in with_less(problem, at_most))
+        found = next((motion for motion in tried if motion is not None), None)
+        if long:
+            motions = [each for each in (found, resting(problem, time)) if each is not None]
+            found = min(motions, key=lambda each: needed_share(problem, each), default=None)
+    if found is not None:
+        return found
     if problem.at_rest and best is not None and best.time < time:
         with np.errstate(all="ignore"):
             return gentlest(problem, plan.search.nodes, time, _slowed(best, time))
-    if long:
-        with np.errstate(all="ignore"):
-            found = resting(problem, time)
-        if found is not None:
-            return found
     search = _from(plan, time, effort)
     if search.lower > time * (1.0 + _AT):
         raise no_duration(

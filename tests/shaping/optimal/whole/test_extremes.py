@@ -4,10 +4,11 @@ import os
 
 import numpy as np
 import pytest
-from extreme_problems import KINDS, barely_active, long_holds, wrong_with
+from extreme_problems import KINDS, barely_active, far_bounds, long_holds, wrong_with
 from whole_problems import random_problem
 
 from jounce.shaping.optimal.long_plan import long_plan
+from jounce.shaping.optimal.proof_check import holds
 from jounce.shaping.optimal.whole.nearest_state import nearest_starts
 from jounce.shaping.optimal.whole.planner import planned
 from jounce.shaping.optimal.whole.problem import WholeProblem
@@ -52,6 +53,14 @@ def test_next_to_a_dead_end_the_room_for_repairs_is_given_up():
     problem = barely_active(24)
     assert planned(problem.start, problem.end, problem.limits).search.gap <= 1e-4
     assert problem.solve().violation(problem.limits) == 0.0
+
+
+@pytest.mark.slow
+def test_ramps_whose_shortest_time_tells_little_are_proven_by_how_far_they_come():
+    problem = far_bounds(13)
+    plan = long_plan(problem.start, problem.end, problem.limits, rtol=1e-4)
+    assert plan.gap <= 1e-4
+    assert holds(plan.proven.proof)
 
 
 def test_a_search_ends_when_its_effort_is_spent():
