@@ -19,7 +19,6 @@ from .route import Leg, reach_along
 
 _REFINED = 3
 _TRIED, _STEP = 4, 1.4  # durations to begin with, each so much longer
-_LITTLE = 1e-3  # of the duration: what coarse programs gain that are the last ones
 _NEVER = -1.0  # no two inputs are one: the repair may need them all
 _LONGER = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)  # tried where no motion keeps all bounds exactly
 
@@ -38,9 +37,7 @@ def settled(
     if at is None:
         return None
     for stage in COARSE[1:]:
-        before, at = at.lengths.sum(), program.solve(at, stage._replace(margin=0.0)) or at
-        if 0.0 < before - at.lengths.sum() <= _LITTLE * before:
-            break
+        at = program.solve(at, stage._replace(margin=0.0)) or at
     for number, stage in enumerate(FINE):
         found = program.solve(at, stage._replace(margin=0.0))
         if found is None:

@@ -52,7 +52,9 @@ class Between:
             return self._by_stops(limits, [])
         before = replace(self, legs=by.before(self.legs))
         exact = before._exactly(by.limits)
-        smooth = smoothed(before.legs, exact.states, limits, by, self.blends)
+        smooth = None
+        if all(one.plain for one in by.limits):  # others are not exact: averages are not led back
+            smooth = smoothed(before.legs, exact.states, limits, by, self.blends)
         long = longest(before.legs, exact.best.durations) > _LONG
         near = smooth is not None and smooth.duration <= exact.enough
         if smooth is not None and near and (long or len(self.legs) > 1):

@@ -114,7 +114,8 @@ class LegMotion:
             rows = sign * values[finite]
             rows[:, 0] -= slope
             rows[by_share, -1:] = -power[by_share, None]
-            most = np.where(by_share, 0.0, power - slope * self.length - room[finite])
+            left = room[finite] * ((bound != 0.0) | (kept > 0.0))  # ends may be on a bound of zero
+            most = np.where(by_share, 0.0, power - slope * self.length - left)
             less.add(columns, rows, most - sign * (lead @ rest)[finite])
 
     def _room(self, k: NDArray[np.intp], kept: float) -> FloatArray:

@@ -88,10 +88,10 @@ def through(
     optimum up to the mesh of the programs, without a proof: on random problems of order 3 a finer
     mesh was sooner by 0.06 % (median; 0.3 % at the worst), the best of twelve other starts by 0.1 %
     at the worst. One axis of order 2 or 3 is exact where its points are in order: the transfer from
-    the first to the last. Ten points on three axes take 0.2 s at order 3 and up to three seconds at
-    order 4, ten at order 5; less where snap is high. Legs that take more than about 25 times their
-    ramps are passed with stops where averages do not do: at points next to bounds on position,
-    with a bound of zero on a side, and where a line meets a leg that is none.
+    the first to the last. Ten points on three axes take 0.3 s at order 3, two seconds at order 4,
+    five at order 5; less where snap is high. Legs that take more than about 25 times their ramps
+    are passed with stops where averages do not do: at points next to bounds on position (0.4 to
+    0.7 % longer in total), with a bound of zero on a side, and where a line meets another leg.
 
     Examples
     --------

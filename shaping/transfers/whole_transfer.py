@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import inf
 
 from ..checks import finite, positive
 from ..endings import ended
@@ -12,7 +13,9 @@ from ..optimal.long_plan import LongPlan, nearer_long_plan
 from ..optimal.whole.lasting import lasting, next_duration
 from ..optimal.whole.outcome import check_whole, found_plan, inside_bounds, warn_if_far
 from ..optimal.whole.planner import Plan
+from ..optimal.whole.warm_program import Effort
 from ..trajectory import Trajectory, point
+from .infeasible import InfeasibleError
 from .problem import State, Transfer, checked_numbers
 
 
@@ -48,18 +51,32 @@ def whole_transfer(
 
 @dataclass(frozen=True)
 class WholeProblem:
-    """Two states between which an axis of order 4 or more moves, and its limits."""
+    """Two states between which an axis of order 4 or more moves, and its limits.
+
+    All searches for its durations share one effort.
+    """
 
     start: State
     end: State
     limits: Limits
+    effort: Effort = field(default_factory=Effort)
 
     def next_duration(self, duration: float) -> float:
         """Return the shortest possible duration found that is no less; infinite for none."""
-        start = checked_numbers("start", self.start, self.limits)
-        return next_duration(
-            start, checked_numbers("end", self.end, self.limits), self.limits, duration
+        start, end = (
+            checked_numbers(name, state, self.limits)
+            for name, state in (("start", self.start), ("end", self.end))
         )
+        found = next_duration(start, end, self.limits, duration, self.effort)
+        if found == inf and self.effort.left <= 0.0:
+            raise InfeasibleError(
+                f"no motion from {start!r} to {end!r} that takes {duration!r} or longer was found "
+                "before the search ended, which is no proof that there is none; start or end one "
+                "of the axes with less velocity",
+                "velocity",
+                0.0,
+            )
+        return found
 
     def lasting(self, duration: float) -> Transfer:
         """Return a transfer of a possible duration."""

@@ -196,3 +196,25 @@ def test_ramps_that_are_short_against_their_legs_are_no_reason_to_stop():
     )
     assert path.duration < stops - 0.5
     assert all(axis.violation(limits) <= 1e-12 for axis in path)
+
+
+@pytest.mark.slow
+def test_no_turning_back_is_no_reason_to_stop():
+    points = np.array([[0.0, 0.0], [0.3, 0.6], [1.2, 0.9], [1.5, 1.7]])
+    pairs = [(0.0, 1.0), (-2.0, 2.0), (-8.0, 9.0), (-100.0, 60.0), (-1e3, 1e3), (-1e4, 2e4)]
+    once, both = (
+        through(points, Limits.from_bounds(bounds)) for bounds in (pairs, [(-1.0, 1.0), *pairs[1:]])
+    )
+    assert_sound(once, points, Limits.from_bounds(pairs))
+    assert once.duration <= both.duration * 1.02
+
+
+@pytest.mark.slow
+def test_a_point_on_a_bound_of_position_costs_next_to_nothing():
+    rng = np.random.default_rng(11)
+    points = rng.uniform(-1.0, 1.0, (5, 2)) * 3.0
+    pairs = [(-1.0, 1.0), (-2.0, 3.0), (-8.0, 9.0), (-100.0, 60.0), (-1e3, 1e3)]
+    limits = Limits.from_bounds(pairs, position=(float(points.min()), float(points.max())))
+    path = through(points, limits)
+    assert_sound(path, points, limits)
+    assert path.duration <= through(points, Limits.from_bounds(pairs)).duration * 1.01

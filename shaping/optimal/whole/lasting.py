@@ -68,12 +68,13 @@ def lasting(
     return _next_multiple(plan, dt)
 
 
-def next_duration(start: Numbers, end: Numbers, limits: Limits, duration: float) -> float:
+def next_duration(
+    start: Numbers, end: Numbers, limits: Limits, duration: float, effort: Effort
+) -> float:
     """Return the shortest duration found that is no less than one given; infinite where none is."""
     plan = planned(start, end, limits)
     best, time = plan.search.best, ldexp(duration, -plan.time)
     if best is None or best.time < time * (1.0 - _AT):
-        effort = Effort.of(limits.order)
         best = None if plan.impossible else _next(plan, time, effort).best
     return inf if best is None else max(duration, ldexp(best.time, plan.time))
 

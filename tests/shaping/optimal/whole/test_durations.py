@@ -13,6 +13,7 @@ from jounce.shaping import InfeasibleError, Limits, min_time_move, min_time_tran
 from jounce.shaping.optimal.whole.lasting import next_duration
 from jounce.shaping.optimal.whole.planner import planned
 from jounce.shaping.optimal.whole.search import Search
+from jounce.shaping.optimal.whole.warm_program import Effort
 
 ASYMMETRIC = Limits(velocity=2.0, acceleration=(-4.0, 1.0), jerk=20.0, snap=(-300.0, 200.0))
 
@@ -63,7 +64,7 @@ def test_a_search_that_has_ended_is_not_taken_up_again():
     plan = planned(start, end, limits)
     ended = Search(plan.search.problem, np.linspace(0.0, 1.0, 200), after=2.0)
     plan.search.later.append(ended)
-    assert next_duration(start, end, limits, np.ldexp(2.0, plan.time)) == np.inf
+    assert next_duration(start, end, limits, np.ldexp(2.0, plan.time), Effort()) == np.inf
     assert len(ended.nodes) == 200
 
 
