@@ -25,9 +25,9 @@ _COSTS = 1e3  # costs are multiplied: the solver takes a reduced cost of 1e-9 fo
 _OVERHEAD = 20  # iterations that a run is worth before it begins
 
 EFFORT = 5e9
-"""Of one search: about five seconds."""
+"""Of one search below order 5: about five seconds."""
 
-_HIGH, _MORE = 7, 2.0  # orders from there on may take twice as much
+_HIGH, _MORE = 5, 4.0  # orders from there on may take four times as much
 
 
 @dataclass(eq=False)
