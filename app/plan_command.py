@@ -96,7 +96,7 @@ def plan_command(
     controllers have it.
     """
     from .plan import plan_move
-    from .plan_report import certificate_table, excess_text, plan_tables
+    from .plan_report import plan_tables
 
     asked = _one_distance(distance or ())
     of_s_curve = {
@@ -130,12 +130,8 @@ def plan_command(
             order=bounded,
             method=method,
         )
-    proofs: list[Table | str] = []
     certificate = _certificate(plan) if certify else None
-    if certificate is not None:
-        proofs.append(certificate_table(plan, certificate))
-    elif closed_form:
-        proofs.append(excess_text(plan))
+    proofs = _proofs(plan, certificate, closed_form=closed_form)
     if csv is not None or plot is not None:
         _write_plan(plan, csv, plot)
     if as_json:
@@ -153,6 +149,14 @@ def _certificate(plan: Plan) -> Certificate:
     from ..shaping import certify
 
     return certify(plan.trajectory, plan.limits)
+
+
+def _proofs(plan: Plan, certificate: Certificate | None, *, closed_form: bool) -> list[Table | str]:
+    from .plan_report import certificate_table, excess_text
+
+    if certificate is not None:
+        return [certificate_table(plan, certificate)]
+    return [excess_text(plan)] if closed_form else []
 
 
 def _one_distance(words: Sequence[str]) -> str | None:
