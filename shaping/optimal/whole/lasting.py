@@ -151,12 +151,11 @@ def _of_duration(plan: Plan, time: float, duration: float, effort: Effort) -> Re
 
 def _within_less(problem: WholeProblem, time: float, long: bool) -> Repaired | None:
     """Return a gentle motion of a duration within little of the highest bound; None for none."""
-    effort = Effort(_LITTLE * EFFORT)
     found = resting(problem, time) if long else None
     if found is not None:
         return found
     search = Search(problem, after=time)
-    _look_at(search, time, effort)
+    _look_at(search, time, Effort(_LITTLE * EFFORT))
     if search.best is None or search.best.time > time * (1.0 + _AT):
         return None
     return gentlest(problem, search.nodes, time, search.best)
